@@ -1,0 +1,1 @@
+"""Tandem: a soft PLC and a CNC in one runtime for Linux industrial PCs."""

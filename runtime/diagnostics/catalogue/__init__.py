@@ -1,0 +1,28 @@
+"""The error catalogue: every error a user can meet, one module per area, found by id.
+
+Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
+fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from runtime.diagnostics.catalogue import configuration, fieldbus, language, motion, plc, system
+from runtime.diagnostics.errors import ErrorEntry
+
+_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system)
+
+
+def _collect() -> dict[int, ErrorEntry]:
+    entries: dict[int, ErrorEntry] = {}
+    for area in _AREAS:
+        for value in vars(area).values():
+            if isinstance(value, ErrorEntry):
+                if value.id in entries and entries[value.id] is not value:
+                    raise ValueError(f"error id {value.id} stands twice in the catalogue")
+                entries[value.id] = value
+    return entries
+
+
+CATALOGUE: dict[int, ErrorEntry] = _collect()

@@ -1,0 +1,25 @@
+"""Named shared memory that outlives a crash of its user and belongs to nobody's resource tracker."""
+
+from __future__ import annotations
+
+import contextlib
+from multiprocessing import resource_tracker, shared_memory
+
+
+def open_shared(name: str, size: int | None) -> shared_memory.SharedMemory:
+    """Open the shared memory `name`; with a `size` make it anew, zeroed, removing a left-over of the same name.
+
+    Python's resource tracker would remove the memory when any process that attached to it ends (until 3.13), so it is told to
+    forget it: the owner removes it. Raises FileNotFoundError if there is nothing to attach to.
+    """
+    if size is None:
+        memory = shared_memory.SharedMemory(name)
+    else:
+        with contextlib.suppress(FileNotFoundError):
+            old = shared_memory.SharedMemory(name)
+            old.close()
+            old.unlink()
+        memory = shared_memory.SharedMemory(name, create=True, size=size)
+    with contextlib.suppress(Exception):
+        resource_tracker.unregister(memory._name, "shared_memory")  # type: ignore[attr-defined]
+    return memory

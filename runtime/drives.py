@@ -1,0 +1,115 @@
+"""Where axes and drives meet: plain arrays, one element per axis, and the protocol of whatever carries them.
+
+The CNC writes the upper half of the image and reads the lower one; the fieldbus (or the ideal drives below) does the
+opposite. Neither knows the other. Units: mm and degrees, per second.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import IntEnum
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+DIGITAL_BYTES = 64
+ANALOGUE_VALUES = 32
+
+
+class DriveState(IntEnum):
+    """The states of IEC 61800-7-201 (CiA 402), and OFFLINE for a node that does not answer."""
+
+    OFFLINE = 0
+    NOT_READY_TO_SWITCH_ON = 1
+    SWITCH_ON_DISABLED = 2
+    READY_TO_SWITCH_ON = 3
+    SWITCHED_ON = 4
+    OPERATION_ENABLED = 5
+    QUICK_STOP_ACTIVE = 6
+    FAULT_REACTION_ACTIVE = 7
+    FAULT = 8
+
+
+class DriveEvent(NamedTuple):
+    """Something the bus has to tell the cycle: a catalogue error, where, and the code the node gave."""
+
+    error_id: int
+    axis: int  # index into the image, -1 if no axis
+    node: int  # CANopen node id, 0 if the bus itself
+    code: int  # EMCY error code, SDO abort code, CiA 402 error code, or 0
+
+
+class DriveImage:
+    """What is exchanged with the drives in every cycle, for `n` axes in the order of the machine description."""
+
+    def __init__(self, n: int) -> None:
+        self.n = n
+        # set-points, written by the axes
+        self.target_position: Floats = np.zeros(n)
+        self.target_velocity: Floats = np.zeros(n)  # spindles (cyclic synchronous velocity mode)
+        self.enable: Flags = np.zeros(n, dtype=np.bool_)  # go to operation enabled and stay there
+        self.quick_stop: Flags = np.zeros(n, dtype=np.bool_)  # brake by the drive's own ramp
+        self.reset_fault: Flags = np.zeros(n, dtype=np.bool_)  # rising edge acknowledges a fault
+        self.digital_out: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
+        self.analogue_out: Floats = np.zeros(ANALOGUE_VALUES)
+        # feedback, written by the bus
+        self.actual_position: Floats = np.zeros(n)
+        self.actual_velocity: Floats = np.zeros(n)
+        self.state: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveState
+        self.fault_code: npt.NDArray[np.int32] = np.zeros(n, dtype=np.int32)  # CiA 402 object 0x603F
+        self.digital_in: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
+        self.analogue_in: Floats = np.zeros(ANALOGUE_VALUES)
+        self.events: deque[DriveEvent] = deque(maxlen=64)
+        # figures for the metrics
+        self.bus_load: float = 0.0  # share of the bus capacity, 0...1
+        self.emcy_count: int = 0
+        self.frames_sent: int = 0
+        self.frames_received: int = 0
+
+
+class DriveSystem(Protocol):
+    """Whatever carries the image: a CANopen master, or ideal drives."""
+
+    image: DriveImage
+
+    def start(self) -> None:
+        """Boot and configure everything; blocks, called once before the first cycle; raises a TandemError subclass."""
+
+    def read(self) -> None:
+        """Start of a cycle: bring the feedback into the image. Never blocks, never raises."""
+
+    def write(self) -> None:
+        """End of a cycle: send the set-points. Never blocks, never raises."""
+
+    def stop(self) -> None:
+        """Disable the drives in order and leave the bus; blocks for a bounded time, never raises."""
+
+
+class IdealDrives:
+    """Drives without dynamics: enabled at once, actual equal to target one cycle later."""
+
+    def __init__(self, n: int, initial_position: Floats | None = None) -> None:
+        self.image = DriveImage(n)
+        if initial_position is not None:
+            self.image.actual_position[:] = initial_position
+            self.image.target_position[:] = initial_position
+
+    def start(self) -> None:
+        self.image.state[:] = DriveState.SWITCH_ON_DISABLED
+
+    def read(self) -> None:
+        image = self.image
+        enabled = image.enable & ~image.quick_stop
+        image.state[:] = np.where(enabled, DriveState.OPERATION_ENABLED, DriveState.SWITCH_ON_DISABLED)
+        image.actual_position[enabled] = image.target_position[enabled]
+        image.actual_velocity[:] = np.where(enabled, image.target_velocity, 0.0)
+
+    def write(self) -> None:
+        """Nothing to send: the set-points are taken at the next read."""
+
+    def stop(self) -> None:
+        self.image.state[:] = DriveState.SWITCH_ON_DISABLED

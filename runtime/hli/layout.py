@@ -1,0 +1,367 @@
+"""The layout of the High-Level Interface: one tree of ctypes structures over shared memory.
+
+Every element has one writer, told by its suffix: `_r` the CNC writes and the PLC reads, `_w` the PLC writes, `_rw` a flag
+that both hand to and fro. A flag is always the last store of a write and the last store of taking. Only elementary
+aligned items may be read without a flag; text is guarded by one, or changes only while nothing runs.
+
+Units: lengths 0.1 µm, angles 0.0001 degrees, speeds 1 µm/s or 0.001 degrees/s, shares 0.1 %, times µs: the interface's own
+whole numbers. `runtime.hli.client` and the PLC library convert to mm, degrees and seconds, once.
+
+Adding an element here is all it takes: hash, C header and `tandem hli` follow from these classes.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+from enum import IntEnum, IntFlag
+
+MAX_CHANNELS = 4
+MAX_AXES = 16  # path axes and spindles
+MAX_CHANNEL_AXES = 8
+TECHNO_UNITS = 16  # technology functions of one block
+ALARMS = 64
+IMAGE_BYTES = 64
+IMAGE_ANALOGUE = 32
+NAME = 32
+TEXT = 240
+MAGIC = 0x314D444E4154  # "TANDM1"
+
+
+class Mode(IntEnum):
+    """Operating modes (HLI_IMCM_*)."""
+
+    STANDBY = 1
+    AUTOMATIC = 2
+    MDI = 3
+    MANUAL = 4
+    HOMING = 5
+
+
+class State(IntEnum):
+    """States inside a mode."""
+
+    DESELECTED = 1
+    SELECTED = 2
+    READY = 3
+    ACTIVE = 4
+    HOLD = 5
+    ERROR = 6
+
+
+class StopCondition(IntFlag):
+    """Bits of `stop_condition_r`: why the path does not move although a program is active (our own list)."""
+
+    NONE = 0
+    FEED_HOLD = 0x1
+    AXIS_FEED_HOLD = 0x2
+    OVERRIDE_ZERO = 0x4
+    WAIT_TECHNOLOGY = 0x8
+    WAIT_CONTINUE = 0x10
+    DWELL = 0x20
+    WAIT_SPINDLE = 0x40
+    SINGLE_BLOCK = 0x80
+    NO_BLOCKS = 0x100  # the preparation is behind
+    AXIS_NOT_READY = 0x200
+    ERROR = 0x400
+    TECHNOLOGY_FULL = 0x800  # no free unit: the PLC does not take its functions
+
+
+class AxisState(IntEnum):
+    """`axis_state_r`."""
+
+    READY = 1
+    ACTIVE = 3
+    HOLD = 5  # also: tracking, or the drive is not enabled
+    ERROR = 7
+
+
+# --------------------------------------------------------------------------------------------- control units
+
+
+class BoolUnit(c.Structure):
+    """Control unit without usage check, BOOL: the command counts as long as it stands and enable_w is TRUE."""
+
+    _fields_ = [("request_r", c.c_bool), ("enable_w", c.c_bool), ("command_w", c.c_bool), ("state_r", c.c_bool)]
+
+
+class Uns32Unit(c.Structure):
+    """Control unit without usage check, UNS32."""
+
+    _fields_ = [
+        ("request_r", c.c_uint32),
+        ("command_w", c.c_uint32),
+        ("state_r", c.c_uint32),
+        ("enable_w", c.c_bool),
+    ]
+
+
+class ModeState(c.Structure):
+    """A wish of the mode unit: where from (0 = not checked), where to, and what with (program name, NC blocks)."""
+
+    _fields_ = [
+        ("from_mode", c.c_uint32),
+        ("from_state", c.c_uint32),
+        ("to_mode", c.c_uint32),
+        ("to_state", c.c_uint32),
+        ("parameter", c.c_char * 304),
+    ]
+
+
+class ModeStateUnit(c.Structure):
+    """Control unit with usage check: one order at a time; a lowered flag means taken, `state_r` shows the result."""
+
+    _fields_ = [
+        ("request_r", ModeState),
+        ("command_w", ModeState),
+        ("mode_r", c.c_uint32),
+        ("state_r", c.c_uint32),
+        ("enable_w", c.c_bool),
+        ("request_semaphor_rw", c.c_bool),
+        ("command_semaphor_rw", c.c_bool),
+    ]
+
+
+# --------------------------------------------------------------------------------------------- technology
+
+
+class TechnologyUnit(c.Structure):
+    """One technology function on its way to the PLC.
+
+    CNC: fills the data, lowers done_w, raises please_rw. PLC: copies, lowers please_rw (taken); raises done_w when the
+    action is finished (executed). `value` is the additional value of M and H; for S `position` and `revolutions` in 0.0001
+    degrees and 0.001 degrees/s; for T `number` is the tool.
+    """
+
+    _fields_ = [
+        ("number_r", c.c_int32),
+        ("value_r", c.c_int32),
+        ("synch_r", c.c_int32),
+        ("time_r", c.c_int32),
+        ("line_r", c.c_uint32),
+        ("block_number_r", c.c_int32),
+        ("position_r", c.c_int32),
+        ("revolutions_r", c.c_int32),
+        ("sequence_r", c.c_uint32),
+        ("fkt_ctrl_r", c.c_uint16),
+        ("please_rw", c.c_bool),
+        ("done_w", c.c_bool),
+    ]
+
+
+# --------------------------------------------------------------------------------------------- areas
+
+
+class Watchdog(c.Structure):
+    """Sign of life of the PLC: it raises alive_rw, the CNC lowers it; too long a gap is error 270053."""
+
+    _fields_ = [
+        ("cycle_time_w", c.c_uint32),  # longest allowed gap, µs
+        ("enable_w", c.c_bool),
+        ("alive_rw", c.c_bool),
+        ("alive_state_r", c.c_bool),
+        ("lc_alive_rw", c.c_bool),  # the mirror: the CNC raises it in every cycle, the PLC may lower it and watch
+    ]
+
+
+class Head(c.Structure):
+    """First of all: who attaches reads magic, size and hash before anything else."""
+
+    _fields_ = [
+        ("magic_r", c.c_uint64),
+        ("layout_hash_r", c.c_char * 65),
+        ("version_r", c.c_char * 16),
+        ("size_r", c.c_uint32),
+        ("owner_pid_r", c.c_uint32),
+        ("cycle_time_r", c.c_uint32),  # µs
+        ("channels_r", c.c_uint16),
+        ("axes_r", c.c_uint16),
+        ("cycle_r", c.c_uint64),
+        ("time_ns_r", c.c_uint64),  # the runtime's clock at the start of the cycle
+        ("running_r", c.c_bool),  # the cycle runs; FALSE before start and after stop or crash
+    ]
+
+
+class Platform(c.Structure):
+    """What belongs to no single channel or axis: log-on of the PLC, timing figures, process states."""
+
+    _fields_ = [
+        ("plc_present_w", c.c_bool),
+        ("plc_running_r", c.c_bool),
+        ("plc_cycle_request_r", c.c_uint64),  # the CNC counts up: a PLC cycle is due
+        ("plc_cycle_done_w", c.c_uint64),  # the PLC sets it to the request it has finished
+        ("plc_cycle_time_ns_w", c.c_uint64),
+        ("plc_overruns_r", c.c_uint64),
+        ("work_time_ns_r", c.c_uint64),  # last cycle
+        ("lateness_ns_r", c.c_uint64),  # last wake-up
+        ("overruns_r", c.c_uint64),
+        ("bus_load_r", c.c_double),  # 0...1
+        ("emcy_count_r", c.c_uint64),
+        ("frames_sent_r", c.c_uint64),
+        ("frames_received_r", c.c_uint64),
+        ("reload_request_w", c.c_bool),
+    ]
+
+
+class Alarm(c.Structure):
+    """One line of the alarm history; `sequence_r` is written last, 0 is an empty line."""
+
+    _fields_ = [
+        ("time_ns_r", c.c_uint64),  # wall clock, nanoseconds since 1970
+        ("cycle_r", c.c_uint64),
+        ("id_r", c.c_uint32),
+        ("severity_r", c.c_uint32),
+        ("axis_r", c.c_int32),  # logical axis number, 0 = none
+        ("line_r", c.c_uint32),
+        ("active_r", c.c_bool),
+        ("text_r", c.c_char * TEXT),
+        ("sequence_r", c.c_uint64),
+    ]
+
+
+class ChannelControl(c.Structure):
+    """Control units of a channel."""
+
+    _fields_ = [
+        ("mode_and_state", ModeStateUnit),
+        ("feedhold", BoolUnit),
+        ("override", Uns32Unit),  # 0.1 %
+        ("override_valid", BoolUnit),
+        ("single_block", BoolUnit),
+        ("continue_motion", BoolUnit),
+        ("optional_stop", BoolUnit),
+        ("program_block_ignore", Uns32Unit),  # skip levels, bit n-1 = level n
+        ("reset", BoolUnit),
+    ]
+
+
+class ChannelStatus(c.Structure):
+    """Status of a channel, of the block in the interpolator."""
+
+    _fields_ = [
+        ("command_feed_r", c.c_int32),  # 1 µm/s
+        ("active_feed_r", c.c_int32),
+        ("active_override_r", c.c_uint32),
+        ("covered_distance_r", c.c_uint32),  # 0.1 % of the block
+        ("path_position_r", c.c_double),  # 0.1 µm since program start
+        ("block_number_r", c.c_int32),
+        ("line_r", c.c_uint32),
+        ("block_counter_r", c.c_uint64),
+        ("program_name_r", c.c_char * TEXT),
+        ("stop_condition_r", c.c_uint32),
+        ("interpolation_active_r", c.c_bool),
+        ("decoder_program_end_r", c.c_bool),
+        ("program_end_r", c.c_bool),
+        ("axes_in_position_r", c.c_bool),
+        ("wait_techno_acknowledge_r", c.c_bool),
+        ("wait_continue_r", c.c_bool),
+        ("wait_error_removal_r", c.c_bool),
+        ("dwell_time_active_r", c.c_bool),
+        ("prepared_blocks_r", c.c_uint32),  # elements in the motion queue
+        ("waiting_functions_r", c.c_uint32),  # technology functions not yet acknowledged
+        ("error_id_r", c.c_uint32),  # of the error that stopped the channel, 0 none
+    ]
+
+
+class Channel(c.Structure):
+    """One NC channel."""
+
+    _fields_ = [
+        ("name_r", c.c_char * NAME),
+        ("plc_present_w", c.c_bool),
+        ("axis_count_r", c.c_uint16),
+        ("axis_index_r", c.c_uint16 * MAX_CHANNEL_AXES),  # into the axis areas
+        ("watchdog", Watchdog),
+        ("control", ChannelControl),
+        ("status", ChannelStatus),
+        ("used_units_std_sync_r", c.c_uint16),
+        ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+    ]
+
+
+class AxisControl(c.Structure):
+    """Control units of an axis."""
+
+    _fields_ = [
+        ("drive_on", BoolUnit),
+        ("release_feedhold", BoolUnit),
+        ("feedhold", BoolUnit),
+        ("reset", BoolUnit),
+        ("override", Uns32Unit),  # spindles and axes moved alone, 0.1 %
+        ("override_valid", BoolUnit),
+    ]
+
+
+class AxisStatus(c.Structure):
+    """Status of an axis and of its drive."""
+
+    _fields_ = [
+        ("axis_state_r", c.c_uint32),
+        ("command_position_r", c.c_int64),
+        ("actual_position_r", c.c_int64),
+        ("target_position_r", c.c_int64),
+        ("position_lag_r", c.c_int64),
+        ("actual_velocity_r", c.c_int64),
+        ("drive_type_r", c.c_uint32),
+        ("drive_state_r", c.c_uint32),  # runtime.drives.DriveState
+        ("fault_code_r", c.c_uint32),
+        ("ready_for_power_on_r", c.c_bool),
+        ("ready_for_control_loop_on_r", c.c_bool),
+        ("in_position_r", c.c_bool),
+        ("referenced_r", c.c_bool),
+    ]
+
+
+class SpindleStatus(c.Structure):
+    """Status of an axis that is a spindle; 0.001 degrees/s."""
+
+    _fields_ = [
+        ("mode_r", c.c_uint32),  # 1 M5, 2 M3, 4 M4, 8 M19
+        ("programmed_speed_r", c.c_int32),
+        ("command_speed_r", c.c_int32),
+        ("actual_speed_r", c.c_int32),
+        ("rev_erreicht_r", c.c_bool),  # speed reached
+        ("rev_null_r", c.c_bool),  # standing
+    ]
+
+
+class Axis(c.Structure):
+    """One axis or spindle."""
+
+    _fields_ = [
+        ("name_r", c.c_char * NAME),
+        ("log_ax_n_r", c.c_uint16),
+        ("axis_type_r", c.c_uint16),  # 1 linear, 2 rotary, 4 spindle
+        ("plc_present_w", c.c_bool),
+        ("error_r", c.c_bool),
+        ("reset_error_locked_r", c.c_bool),
+        ("control", AxisControl),
+        ("status", AxisStatus),
+        ("spindle", SpindleStatus),
+        ("used_units_std_sync_r", c.c_uint16),
+        ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+    ]
+
+
+class ProcessImage(c.Structure):
+    """Inputs and outputs of the machine; bit n of the image is bit n % 8 of byte n // 8."""
+
+    _fields_ = [
+        ("digital_in_r", c.c_uint8 * IMAGE_BYTES),
+        ("digital_out_w", c.c_uint8 * IMAGE_BYTES),
+        ("analogue_in_r", c.c_double * IMAGE_ANALOGUE),
+        ("analogue_out_w", c.c_double * IMAGE_ANALOGUE),
+    ]
+
+
+class Hli(c.Structure):
+    """The whole interface."""
+
+    _fields_ = [
+        ("head", Head),
+        ("platform", Platform),
+        ("channels", Channel * MAX_CHANNELS),
+        ("axes", Axis * MAX_AXES),
+        ("image", ProcessImage),
+        ("alarm_count_r", c.c_uint64),  # alarms since start; the newest stands at (alarm_count_r - 1) % ALARMS
+        ("alarms", Alarm * ALARMS),
+    ]
