@@ -12,6 +12,8 @@ from multiprocessing import shared_memory
 
 import numpy as np
 
+from runtime.diagnostics.memory import open_shared, remove_shared
+
 CAPACITY = 8192
 
 
@@ -84,8 +86,6 @@ class EventRing:
         if name is None:
             buffer: memoryview | bytearray = bytearray(size)
         else:
-            from runtime.diagnostics.memory import open_shared
-
             self._memory = open_shared(name, size if create else None)
             buffer = self._memory.buf
         self._counters = np.frombuffer(buffer, dtype=np.uint64, count=8)  # written, read, lost
@@ -145,6 +145,7 @@ class EventRing:
             return
         memory, self._memory = self._memory, None
         del self._counters, self._records
-        memory.close()
         if unlink:
-            memory.unlink()
+            remove_shared(memory)
+        else:
+            memory.close()

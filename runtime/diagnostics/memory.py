@@ -23,3 +23,11 @@ def open_shared(name: str, size: int | None) -> shared_memory.SharedMemory:
     with contextlib.suppress(Exception):
         resource_tracker.unregister(memory._name, "shared_memory")  # type: ignore[attr-defined]
     return memory
+
+
+def remove_shared(memory: shared_memory.SharedMemory) -> None:
+    """Close and remove shared memory that `open_shared` made."""
+    memory.close()
+    with contextlib.suppress(FileNotFoundError):
+        resource_tracker.register(memory._name, "shared_memory")  # type: ignore[attr-defined]  # unlink forgets it again
+        memory.unlink()
