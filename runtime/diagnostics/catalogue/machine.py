@@ -27,27 +27,15 @@ DRIVE_DROPPED = ErrorEntry(
     remedy="check the drive's enable input and supply, then reset the channel",
     source="HLI, tracking mode",
 )
-PLC_WATCHDOG = ErrorEntry(
-    270053,
-    "the PLC has finished no cycle for {gap_ms:.0f} ms, allowed are {limit_ms:.0f} ms",
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="the PLC program hangs or its process was killed; reset the channel to start it again",
-    source="HLI, watchdog mechanism",
-)
-PLC_FAILED = ErrorEntry(
+PLC_NOT_RUNNING = ErrorEntry(
     306011,
-    "the PLC program failed: {reason}",
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="correct the program; reset the channel to start it again",
+    "the program does not start: the PLC does not run",
+    remedy="reset the channel to start the PLC again; an earlier alarm says why it ended",
 )
 AXES_NOT_READY = ErrorEntry(
     306012,
     "the program does not start: axis {axis} is not enabled",
     remedy="switch the drives on, or reset the channel after a fault",
-)
-PROGRAM_ACTIVE = ErrorEntry(306013, "the program does not start: {program} is active", severity=Severity.WARNING)
-CHANNEL_IN_ERROR = ErrorEntry(
-    306014, "the program does not start: the channel is in error", remedy="reset the channel first"
 )
 PREPARATION_SILENT = ErrorEntry(
     306015,
@@ -69,4 +57,22 @@ PROCESS_LOST = ErrorEntry(
     reaction=Reaction.QUICK_STOP,
 )
 NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
-MODE_REFUSED = ErrorEntry(306019, "{reason}", severity=Severity.WARNING)
+NOT_READY = ErrorEntry(
+    306020,
+    "drives and PLC are not ready after {seconds:.0f} s",
+    remedy="the alarms before this one tell what is missing",
+)
+SIMULATION_STANDS = ErrorEntry(
+    306021,
+    "the program has been standing for {seconds:.0f} s and waits for {waits}",
+    remedy="does the PLC program acknowledge every function?",
+)
+STOP_ORDERED = ErrorEntry(
+    306022, "the runtime was asked to stop ({reason})", severity=Severity.MESSAGE, reaction=Reaction.NONE
+)
+CYCLE_NOT_STARTED = ErrorEntry(
+    306023,
+    "the cycle process did not start: {reason}",
+    severity=Severity.FATAL,
+    remedy="the lines before this one tell why",
+)
