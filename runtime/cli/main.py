@@ -11,13 +11,13 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import metadata
 from typing import Annotated, Any
 
 import typer
 
 from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import TandemError
+from runtime.diagnostics.version import version
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
@@ -90,12 +90,12 @@ def _application(command: SubCommand) -> typer.Typer:
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        print(f"tandem {metadata.version('tandem-cnc')}")
+        print(f"tandem {version()}")
         raise typer.Exit
 
 
 def _options(
-    version: Annotated[
+    show_version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
