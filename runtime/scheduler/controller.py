@@ -32,7 +32,7 @@ from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveState, DriveSystem
-from runtime.hli.memory import HliMemory
+from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.technology import TechnologyPort
 from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.orders import Orders
@@ -92,7 +92,7 @@ class Controller:
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
-        self.plc = PlcSupervision(hli, plc, machine.plc.every, machine.plc.watchdog) if plc else None
+        self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
         self._wanted = np.zeros(len(machine.axes), dtype=np.bool_)
@@ -176,15 +176,22 @@ class Controller:
         self.alarm(Problem(_FAULTS[fault.kind], values), fault.axis)
 
     def _watch_plc(self) -> None:
-        if self.plc is not None:
-            was = self.plc.running
-            problem = self.plc.wake(self.time)
-            if self.plc.running != was:
-                self._event(EventKind.PLC, number=int(self.plc.running))
-            if problem is not None:
-                self.alarm(problem)
-        for problem in self.orders.plc_reports():
+        plc = self.plc
+        if plc is None:
+            return
+        was = plc.running
+        plc.wake(self.time)
+        problem = plc.judge(int(self.time * 1e9))
+        if plc.running != was:
+            self._event(EventKind.PLC, number=int(plc.running))
+        if problem is not None:
             self.alarm(problem)
+        plc.reports(self.alarm, self.alarms.close)
+        platform = self._hli.platform
+        if platform.process_lost_w != self._process_lost_before:
+            self._process_lost_before = int(platform.process_lost_w)
+            text = get_text(platform, "process_lost_text_w")
+            self.alarm(Problem(alarms.PROCESS_LOST, {"process": text}))
 
     # ------------------------------------------------------------------ orders and reactions
 
@@ -226,10 +233,10 @@ class Controller:
             return Problem(alarms.PLC_NOT_RUNNING)
         return None
 
-    def alarm(self, problem: Problem, axis: int = -1) -> None:
-        """Tell it, and react as the catalogue says."""
-        self.alarms.add(problem, time=self.time, cycle=self.cycle_number, axis=axis)
+    def alarm(self, problem: Problem, axis: int = -1) -> int:
+        """Tell it, and react as the catalogue says; returns its number in the history."""
         self._react(problem.entry)
+        return self.alarms.add(problem, time=self.time, cycle=self.cycle_number, axis=axis)
 
     def _react(self, entry: ErrorEntry) -> None:
         if entry.reaction is Reaction.QUICK_STOP:

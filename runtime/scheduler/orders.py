@@ -7,11 +7,9 @@ import numpy.typing as npt
 
 from runtime.cnc.channel import Channel, ChannelInputs
 from runtime.config.machine import Machine
-from runtime.diagnostics.catalogue import CATALOGUE, plc
-from runtime.diagnostics.errors import ErrorEntry, Problem
+from runtime.diagnostics.errors import Problem
 from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.layout import Hli, Mode, State
-from runtime.hli.memory import get_text
 from runtime.hli.modes import Action, Refusal, Wish, next_step
 
 
@@ -146,20 +144,3 @@ class Orders:
         """The channel could not start: the program is not active."""
         self.state = State.SELECTED
         self._unit.state_r = self.state
-
-    # ------------------------------------------------------------------ alarms of the PLC program
-
-    def plc_reports(self) -> list[Problem]:
-        """What the PLC program has to tell in this cycle: at most one, the semaphore guards it."""
-        report = self._hli.platform.lc_error
-        if not report.semaphor_rw:
-            return []
-        problems = []
-        if report.active_w:
-            entry = CATALOGUE.get(report.id_w, plc.PLC_ALARM)
-            told = ErrorEntry(entry.id, "{text}", entry.severity, entry.reaction, entry.remedy)
-            problems.append(Problem(told, {"text": get_text(report, "text_w")}))
-        report.semaphor_rw = False
-        return problems
-
-

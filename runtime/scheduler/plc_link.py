@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Callable
 from typing import Protocol
 
 from runtime.diagnostics.catalogue import CATALOGUE, plc
-from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
-from runtime.hli.layout import Hli
+from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
+from runtime.hli.alarms import take_report
+from runtime.hli.layout import ALARMS, Hli
+from runtime.hli.memory import get_text
+from runtime.hli.watchdog import PlcWatchdog
 
 
 class PlcPartner(Protocol):
@@ -37,63 +41,67 @@ class PlcProcess:
 
 
 class PlcSupervision:
-    """Counts PLC cycles out and in. Lost: no cycle finished for the watchdog time, or the program has reported its failure."""
+    """Wakes the PLC when it is due, and tells once when it is lost.
 
-    def __init__(self, hli: Hli, partner: PlcPartner, every: int, watchdog: float) -> None:
+    Lost: no sign of life within the watchdog time, its program has reported a failure, or it has logged off.
+    """
+
+    def __init__(self, hli: Hli, partner: PlcPartner, every: int) -> None:
         self._hli = hli
         self._platform = hli.platform
         self._partner = partner
         self._every = every
-        self._watchdog = watchdog
         self._countdown = 1
-        self._finished_at = 0.0
+        self._watchdog = PlcWatchdog(hli.channels[0])
         self._errors_seen = int(hli.platform.plc_error_count_w)
+        self._alarms: dict[int, int] = {}  # the PLC's number of an alarm -> ours
         self.running = False
 
-    def wake(self, time: float) -> Problem | None:
-        """Once per cycle, `time` in s: wakes the PLC when it is due; tells once when it is lost."""
+    def wake(self, time: float) -> None:
+        """Once per cycle: wakes the PLC when it is due."""
         platform = self._platform
         self._countdown -= 1
-        if self._countdown <= 0:
-            self._countdown = self._every
-            if platform.plc_cycle_done_w != platform.plc_cycle_request_r and self.running:
-                platform.plc_overruns_r += 1
-            platform.plc_cycle_request_r += 1
-            self._partner.wake(time)
-        return self._judge(time)
+        if self._countdown > 0:
+            return
+        self._countdown = self._every
+        if self.running and platform.plc_cycle_done_w != platform.plc_cycle_request_r:
+            platform.plc_overruns_r += 1
+        platform.plc_cycle_request_r += 1
+        self._partner.wake(time)
 
-    def _judge(self, time: float) -> Problem | None:
+    def judge(self, time_ns: int) -> Problem | None:
+        """Once per cycle: the problem by which the PLC was lost in this cycle."""
+        problem = self._watchdog.check(time_ns)
         platform = self._platform
         if platform.plc_error_count_w != self._errors_seen:
             self._errors_seen = int(platform.plc_error_count_w)
-            self._lose()
             entry = CATALOGUE.get(platform.plc_error_id_w, plc.PLC_RAISED)
-            text = platform.plc_error_text_w.decode("utf-8", "replace")
-            return Problem(
-                ErrorEntry(entry.id, "{text}", entry.severity, Reaction.STOP_ON_PATH, entry.remedy), {"text": text}
-            )
-        if not platform.plc_present_w:
-            if self.running:
-                self._lose()
-                return Problem(plc.PLC_WATCHDOG, self._gap(time))
-            self._finished_at = time
-            return None
-        if platform.plc_cycle_done_w == platform.plc_cycle_request_r:
-            self._finished_at = time
-            if not self.running:
-                self.running = True
-                platform.plc_running_r = True
-        elif self.running and time - self._finished_at > self._watchdog:
-            problem = Problem(plc.PLC_WATCHDOG, self._gap(time))
+            told = ErrorEntry(entry.id, "{text}", entry.severity, Reaction.STOP_ON_PATH, entry.remedy)
+            problem = Problem(told, {"text": get_text(platform, "plc_error_text_w")})
+        alive = bool(self._hli.channels[0].watchdog.alive_state_r)
+        if problem is None and self.running and not alive:
+            problem = Problem(plc.PLC_LOGGED_OFF)
+        if problem is not None:
             self._lose()
-            return problem
-        return None
+        elif alive != self.running:
+            self.running = alive
+            platform.plc_running_r = alive
+        return problem
 
-    def _gap(self, time: float) -> dict[str, object]:
-        return {
-            "milliseconds": round((time - self._finished_at) * 1e3),
-            "allowed": round(self._watchdog * 1e3),
-        }
+    def reports(self, add: Callable[[Problem], int], close: Callable[[int], None]) -> None:
+        """Alarms of the PLC program that came or went in this cycle: at most one, the semaphore guards it."""
+        report = take_report(self._platform.lc_error)
+        if report is None:
+            return
+        if not report.active:
+            number = self._alarms.pop(report.number, None)
+            if number is not None:
+                close(number)
+            return
+        entry = CATALOGUE.get(report.id, plc.PLC_ALARM)
+        told = ErrorEntry(entry.id, "{text}", entry.severity, entry.reaction, entry.remedy)
+        if len(self._alarms) < ALARMS:
+            self._alarms[report.number] = add(Problem(told, {"text": report.text}, Place("", report.line)))
 
     def _lose(self) -> None:
         self.running = False

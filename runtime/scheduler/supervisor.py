@@ -181,7 +181,7 @@ class Supervisor:
         if reason == "exit code 0":
             return
         self._failed = True
-        problem = Problem(alarms.PROCESS_LOST, {"process": "cycle", "reason": reason})
+        problem = Problem(alarms.PROCESS_LOST, {"process": f"cycle: {reason}"})
         self.journal.problem(problem)
         if self.memory is not None and self._events is not None:
             AlarmList(self.memory.hli, self._events, time.time_ns).add(problem)

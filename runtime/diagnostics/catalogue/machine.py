@@ -52,9 +52,35 @@ CYCLE_FAILED = ErrorEntry(
 )
 PROCESS_LOST = ErrorEntry(
     306017,
-    "the {process} process ended: {reason}",
+    "a process of the runtime ended: {process}",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the journal has its last words; reset the channel to go on",
+)
+NOT_READY = ErrorEntry(
+    306012,
+    "the program does not start: axis {axis} is not enabled",
+    remedy="switch the drives on, or reset the channel after a fault",
+)
+PREPARATION_SILENT = ErrorEntry(
+    306015,
+    "the preparation process does not answer",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="restart the runtime; the journal says why the process ended",
+)
+CYCLE_FAILED = ErrorEntry(
+    306016,
+    "the cycle failed: {reason}",
     severity=Severity.FATAL,
     reaction=Reaction.QUICK_STOP,
+    remedy="this is an error of the runtime; keep the journal and report it",
+)
+PROCESS_LOST = ErrorEntry(
+    306017,
+    "a process of the runtime ended: {process}",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the journal has its last words; reset the channel to go on",
 )
 NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
 NOT_READY = ErrorEntry(

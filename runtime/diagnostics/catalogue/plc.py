@@ -125,6 +125,12 @@ PLC_WATCHDOG = ErrorEntry(
     remedy="look for an endless loop or a stopped process of the PLC; then restart the PLC and reset",
     source="watchdog mechanism of the HLI",
 )
+PLC_LOGGED_OFF = ErrorEntry(
+    304019,
+    "the PLC has ended while the machine runs",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="reset the channel to start it again",
+)
 PLC_MODULE_MISSING = ErrorEntry(
     304020,
     "PLC program {program}: {what}",
