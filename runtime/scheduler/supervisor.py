@@ -66,7 +66,7 @@ class Supervisor:
         self._store = RetainedStore(state_directory(machine))
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
         self._events: EventRing | None = None
-        self._statistics: CycleStatistics | None = None
+        self.statistics: CycleStatistics | None = None
         self._metrics: MetricsServer | None = None
         self._collector: MetricsCollector | None = None
         self._retain_at = 0.0
@@ -127,13 +127,13 @@ class Supervisor:
             time.sleep(0.05)
         self.memory = memory
         self._events = EventRing(names.events(self.options.name), create=False)
-        self._statistics = CycleStatistics.attach(names.statistics(self.options.name))
+        self.statistics = CycleStatistics.attach(names.statistics(self.options.name))
 
     def _start_metrics(self) -> None:
         settings = self.machine.metrics
         if not settings.enabled or self.memory is None:
             return
-        self._collector = MetricsCollector(self.memory.hli, self.machine, self._statistics)
+        self._collector = MetricsCollector(self.memory.hli, self.machine, self.statistics)
         try:
             self._metrics = start_metrics_server(settings.host, settings.port, self._collector)
         except TandemError as error:  # the machine runs without being watched, and says so
@@ -242,7 +242,7 @@ class Supervisor:
             child.terminate(2.0)
         if self._metrics is not None:
             self._metrics.close()
-        for resource in (self._events, self._statistics):
+        for resource in (self._events, self.statistics):
             if resource is not None:
                 resource.close()
         if self.memory is not None:
