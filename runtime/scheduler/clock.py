@@ -40,8 +40,8 @@ class Clock(Protocol):
 class RealTimeClock:
     """CLOCK_MONOTONIC with absolute-time sleep: one late cycle does not shift those after it.
 
-    The clock starts with the first `wait`, which returns one period later. `wait` releases the GIL and keeps nothing that
-    it allocates.
+    The clock starts with the first `wait`, which returns one period later. `wait` releases the GIL and keeps nothing
+    that it allocates.
     """
 
     def __init__(self, period: float) -> None:

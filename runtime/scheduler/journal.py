@@ -1,0 +1,132 @@
+"""Structured log entries: to the systemd journal with fields, or as readable lines on stderr.
+
+    journalctl -u tandem TANDEM_ERROR_ID=303010          everything about one error
+    journalctl -u tandem -o json --output-fields=MESSAGE,TANDEM_EVENT,TANDEM_AXIS,TANDEM_LINE
+
+The journal's native protocol is one datagram of KEY=value lines; see "Native Journal Protocol" at systemd.io.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+import struct
+import sys
+from collections.abc import Mapping, Sequence
+from fcntl import F_ADD_SEALS, F_SEAL_GROW, F_SEAL_SEAL, F_SEAL_SHRINK, F_SEAL_WRITE, fcntl
+from pathlib import Path
+from typing import Protocol, TextIO
+
+from runtime.diagnostics.errors import Problem, Severity
+from runtime.diagnostics.events import Event, EventKind
+
+SOCKET = Path("/run/systemd/journal/socket")
+
+_PRIORITY = {Severity.MESSAGE: 5, Severity.WARNING: 4, Severity.ERROR: 3, Severity.FATAL: 2}  # as in syslog(3)
+_NAMES = {3: "error", 2: "fatal", 4: "warning", 5: "notice", 6: "info"}
+_INFO = 6
+
+
+class Journal(Protocol):
+    """Where log entries go."""
+
+    def write(self, message: str, priority: int = _INFO, **fields: object) -> None:
+        """One entry: `priority` as in syslog(3), `fields` in capitals (journal.fields(7)). Never raises."""
+
+
+class NativeJournal:
+    """The systemd journal."""
+
+    def __init__(self, address: Path = SOCKET, identifier: str = "tandem") -> None:
+        self._address = str(address)
+        self._identifier = identifier
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
+
+    def write(self, message: str, priority: int = _INFO, **fields: object) -> None:
+        entry: dict[str, object] = {"MESSAGE": message, "PRIORITY": priority, "SYSLOG_IDENTIFIER": self._identifier}
+        data = b"".join(_assignment(name, str(value)) for name, value in (entry | fields).items())
+        try:
+            self._socket.sendto(data, self._address)
+        except OSError as error:
+            if error.errno not in (errno.EMSGSIZE, errno.ENOBUFS):
+                print(message, file=sys.stderr)
+                return
+            self._send_as_file(data)
+
+    def _send_as_file(self, data: bytes) -> None:
+        """An entry too long for a datagram goes as a sealed file in memory."""
+        descriptor = os.memfd_create("journal-entry", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        try:
+            os.write(descriptor, data)
+            fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL)
+            rights = struct.pack("i", descriptor)
+            self._socket.sendmsg([], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, rights)], 0, self._address)
+        except OSError:
+            print(data[:1000], file=sys.stderr)
+        finally:
+            os.close(descriptor)
+
+
+class LineJournal:
+    """Readable lines for a terminal: priority, message, then the fields that say more."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, message: str, priority: int = _INFO, **fields: object) -> None:
+        more = " ".join(f"{name.removeprefix('TANDEM_').lower()}={value}" for name, value in fields.items())
+        print(f"{_NAMES.get(priority, priority)}: {message}" + (f" ({more})" if more else ""), file=self._stream)
+
+
+def open_journal(environment: Mapping[str, str], stream: TextIO) -> Journal:
+    """The journal if `stream` (stderr) leads there: $JOURNAL_STREAM, systemd.exec(5); else lines on `stream`."""
+    device, _, inode = environment.get("JOURNAL_STREAM", "").partition(":")
+    try:
+        status = os.fstat(stream.fileno())
+    except (OSError, ValueError):
+        return LineJournal(stream)
+    if (device, inode) == (str(status.st_dev), str(status.st_ino)) and SOCKET.exists():
+        return NativeJournal()
+    return LineJournal(stream)
+
+
+def write_problem(journal: Journal, problem: Problem, **fields: object) -> None:
+    """An error or warning, with its id, its place, and what to do."""
+    place = problem.place
+    known = {"TANDEM_ERROR_ID": problem.entry.id, "TANDEM_SEVERITY": problem.entry.severity.name.lower()}
+    if place.file:
+        known["TANDEM_FILE"] = place.file
+    if place.line:
+        known |= {"TANDEM_LINE": place.line, "TANDEM_COLUMN": place.column}
+    if problem.entry.remedy:
+        known["TANDEM_REMEDY"] = problem.entry.remedy.format(**problem.values)
+    journal.write(problem.text, _PRIORITY[problem.entry.severity], **known, **fields)
+
+
+def write_event(journal: Journal, event: Event, axes: Sequence[str] = (), severity: Severity = Severity.ERROR) -> None:
+    """An event of the cycle. `axes`: axis names by index; `severity`: of the error, where the event is one."""
+    name = event.kind.name.lower()
+    priority = _PRIORITY[severity] if event.kind is EventKind.ERROR else _INFO
+    fields: dict[str, object] = {"TANDEM_EVENT": name, "TANDEM_CYCLE": event.cycle, "TANDEM_TIME": f"{event.t:.6f}"}
+    if event.kind is EventKind.ERROR:
+        fields |= {"TANDEM_ERROR_ID": event.number, "TANDEM_SEVERITY": severity.name.lower()}
+    elif event.number:
+        fields["TANDEM_NUMBER"] = event.number
+    if event.value:
+        fields["TANDEM_VALUE"] = f"{event.value:g}"
+    if event.line:
+        fields["TANDEM_LINE"] = event.line
+    if event.n is not None:
+        fields["TANDEM_BLOCK_NUMBER"] = event.n
+    if event.axis >= 0:
+        fields["TANDEM_AXIS"] = axes[event.axis] if event.axis < len(axes) else event.axis
+    journal.write(event.text or name, priority, **fields)
+
+
+def _assignment(name: str, value: str) -> bytes:
+    """KEY=value, or for text of several lines KEY, its length as 64 bits, and the text."""
+    data = value.encode("utf-8", "replace")
+    if b"\n" not in data:
+        return name.encode() + b"=" + data + b"\n"
+    return name.encode() + b"\n" + struct.pack("<Q", len(data)) + data + b"\n"
