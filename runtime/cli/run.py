@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import time
@@ -33,6 +34,7 @@ def command(
 ) -> None:
     """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
     from runtime.config import load_machine
+    from runtime.scheduler.journal import open_journal
     from runtime.scheduler.session import Session
     from runtime.scheduler.supervisor import RunOptions
 
@@ -42,7 +44,7 @@ def command(
     machine = load_machine(config)
     _warm_kernels()
     options = RunOptions(config, name, dialect, simulated_drives or config is None)
-    session = Session(machine, options)
+    session = Session(machine, options, open_journal(os.environ, sys.stderr))
     stop = False
 
     def ask_to_stop(_number: int, _frame: FrameType | None) -> None:

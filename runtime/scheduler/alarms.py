@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 
 from runtime.diagnostics.errors import Problem, Severity
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.alarms import AlarmHistory, AlarmLine, alarm_lines
 from runtime.hli.layout import Hli
+from runtime.hli.memory import get_text
+from runtime.scheduler.retained import RetainedAlarm
 
 
 class AlarmList:
@@ -64,35 +66,29 @@ class AlarmList:
         """After a reset no alarm is active any more; the history stays."""
         self._history.close_all()
 
-    def restore(self, rows: Iterable[Mapping[str, object]]) -> None:
-        """Put what an earlier run left, as `history` returned it, in front of the history."""
-        for row in rows:
+    def restore(self, alarms: Iterable[RetainedAlarm]) -> None:
+        """Put what an earlier run left, oldest first, in front of the history."""
+        numbers = {get_text(axis, "name_r"): axis.log_ax_n_r for axis in self._hli.axes}
+        for alarm in alarms:
             self._history.add(
                 AlarmLine(
                     sequence=0,
-                    time_ns=int(str(row["time_ns"])),
-                    cycle=int(str(row["cycle"])),
-                    id=int(str(row["id"])),
-                    severity=Severity(int(str(row["severity"]))),
-                    text=str(row["text"]),
-                    axis=int(str(row["axis"])),
-                    line=int(str(row["line"])),
+                    time_ns=alarm.time_ns,
+                    cycle=0,
+                    id=alarm.id,
+                    severity=Severity(alarm.severity),
+                    text=alarm.text,
+                    axis=numbers.get(alarm.axis, 0) if alarm.axis else 0,
+                    line=alarm.line,
                     active=False,
                 )
             )
 
 
-def history(hli: Hli) -> list[dict[str, object]]:
-    """The alarm history as plain data, oldest first, for keeping it over a restart."""
-    return [
-        {
-            "time_ns": line.time_ns,
-            "cycle": line.cycle,
-            "id": line.id,
-            "severity": int(line.severity),
-            "axis": line.axis,
-            "line": line.line,
-            "text": line.text,
-        }
+def history(hli: Hli) -> tuple[RetainedAlarm, ...]:
+    """The alarm history for keeping it over a restart, oldest first."""
+    names = {axis.log_ax_n_r: get_text(axis, "name_r") for axis in hli.axes if axis.log_ax_n_r}
+    return tuple(
+        RetainedAlarm(line.time_ns, line.id, int(line.severity), line.text, names.get(line.axis, ""), line.line)
         for line in reversed(alarm_lines(hli))
-    ]
+    )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import os
 import signal
 import sys
 import time
@@ -18,7 +19,7 @@ from types import FrameType
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config import load_machine
-from runtime.config.machine import Machine
+from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, TandemError
 from runtime.diagnostics.events import EventRing
@@ -31,11 +32,14 @@ from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_link import PlcProcess
-from runtime.scheduler.realtime import RealTimeClock, prepare_realtime
+from runtime.scheduler.clock import RealTimeClock
+from runtime.scheduler.realtime import prepare_realtime
 from runtime.scheduler.retained import RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _STOP_LIMIT = 10.0  # s that axes and spindles get to come to rest
+_COMPARE_AFTER = 20  # cycles until every drive has told where it is
+_MOVED = 1.0  # mm or degrees
 _BOOT_PAUSE = 0.0002  # s between two looks at the bus while it boots
 
 
@@ -50,7 +54,7 @@ class CycleProcess:
         self.events = EventRing(names.events(name))
         self.queue = MotionQueue(n_axes, names.queue(name, 0))
         self.link = PreparationLink(n_axes, names.link(name, 0))
-        self.statistics = CycleStatistics.create(names.statistics(name))
+        self.statistics = CycleStatistics(names.statistics(name))
         self.drives: DriveSystem = CanopenMaster(
             machine, open_bus(machine.fieldbus.bus), now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
         )
@@ -59,18 +63,29 @@ class CycleProcess:
             machine, self.drives, self.memory, self.events, self.queue, self.link, plc, wall_clock=time.time_ns
         )
         self._stop_reason = ""
+        self._positions_before: dict[str, float] = {}
 
     def ask_to_stop(self, number: int, _frame: FrameType | None) -> None:
         """Signal handler: the cycles go on until everything is at rest."""
         self._stop_reason = signal.Signals(number).name
 
     def restore(self) -> None:
-        """The alarm history of earlier runs."""
-        retained = RetainedStore(state_directory(self.machine)).load()
-        if retained.data is not None:
-            self.controller.alarms.restore(retained.data.alarms)
-        for problem in retained.problems:
+        """The alarm history of earlier runs, and where the axes stood."""
+        store = RetainedStore(state_directory(self.machine.state_directory, os.environ))
+        retained, problems = store.load()
+        self.controller.alarms.restore(retained.alarms)
+        self._positions_before = dict(retained.positions)
+        for problem in problems:
             self.controller.alarm(problem)
+
+    def _compare_positions(self) -> None:
+        """An axis that stands elsewhere than at the end of the last run was moved, or its encoder has lost its place."""
+        for i, axis in enumerate(self.machine.axes):
+            before = self._positions_before.get(axis.name)
+            actual = float(self.drives.image.actual_position[i])
+            if axis.type is not AxisType.SPINDLE and before is not None and abs(actual - before) > _MOVED:
+                values = {"axis": axis.name, "before": before, "now": actual}
+                self.controller.alarm(Problem(alarms.AXIS_MOVED, values), i)
 
     def run(self) -> int:
         """Boot the bus, then cycle until asked to stop; the exit code."""
@@ -80,22 +95,26 @@ class CycleProcess:
             print(problem, file=sys.stderr)
             self.controller.alarm(problem)
         clock = RealTimeClock(machine.cycle.period)
-        hli = self.memory.hli
-        hli.head.running_r = True
+        self.memory.hli.head.running_r = True
+        platform = self.memory.hli.platform
         controller, statistics = self.controller, self.statistics
         give_up_at = 0.0
         while not controller.stopped:
             lateness = clock.wait()
-            now = clock.now()
+            begin = clock.now_ns()
+            now = begin * 1e-9
             try:
                 controller.cycle(now)
             except Exception:
                 return self._fail(clock)
-            work = clock.now() - now
-            statistics.add(work, lateness * 1e-9)
-            hli.platform.work_time_ns_r = int(work * 1e9)
-            hli.platform.lateness_ns_r = lateness
-            hli.platform.overruns_r = clock.overruns
+            work = clock.now_ns() - begin
+            statistics.work.add(work)
+            statistics.lateness.add(lateness)
+            platform.work_time_ns_r = work
+            platform.lateness_ns_r = lateness
+            platform.overruns_r = clock.overruns
+            if clock.cycle == _COMPARE_AFTER:
+                self._compare_positions()
             if self._stop_reason and not give_up_at:
                 give_up_at = now + _STOP_LIMIT
                 controller.alarm(Problem(alarms.STOP_ORDERED, {"reason": self._stop_reason}))

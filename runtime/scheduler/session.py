@@ -45,9 +45,9 @@ class RunResult:
 class Session:
     """`start`, then `poll` in a loop, then `stop`."""
 
-    def __init__(self, machine: Machine, options: RunOptions) -> None:
+    def __init__(self, machine: Machine, options: RunOptions, journal: Journal) -> None:
         self.machine = machine
-        self.supervisor = Supervisor(machine, options, Journal())
+        self.supervisor = Supervisor(machine, options, journal)
         self.supervisor.on_event = self._on_event
         self._program: Path | None = None
         self._ordered = False

@@ -13,7 +13,6 @@ alarm history of the HLI.
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,17 +20,17 @@ from pathlib import Path
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
-from runtime.diagnostics.errors import Problem, TandemError
-from runtime.diagnostics.events import Event, EventRing
+from runtime.diagnostics.errors import Problem, Severity, TandemError
+from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.errors import HliError
 from runtime.hli.memory import HliMemory
 from runtime.monitoring.metrics import MetricsCollector, MetricsServer, start_metrics_server
 from runtime.scheduler import names
 from runtime.scheduler.alarms import AlarmList, history
 from runtime.scheduler.children import Child
-from runtime.scheduler.journal import Journal
+from runtime.scheduler.journal import Journal, write_event, write_problem
 from runtime.scheduler.notify import Notifier
-from runtime.scheduler.retained import RetainedData, RetainedStore, state_directory
+from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _BOOT_LIMIT = 60.0  # s until the cycle must run
@@ -62,8 +61,9 @@ class Supervisor:
         self.journal = journal
         self.memory: HliMemory | None = None
         self.on_event: Callable[[Event], None] | None = None
-        self._notifier = Notifier()
-        self._store = RetainedStore(state_directory(machine))
+        self._notifier = Notifier.from_environment(os.environ)
+        state = state_directory(machine.state_directory, os.environ)
+        self._store = RetainedStore(state)
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
         self._events: EventRing | None = None
         self.statistics: CycleStatistics | None = None
@@ -73,6 +73,8 @@ class Supervisor:
         self._cycle_before = -1
         self._plc_restarts = 0
         self._failed = False
+        self._retain_failed = False
+        self._axis_names = [axis.name for axis in machine.axes]
         common = ["--name", options.name]
         if options.machine_file is not None:
             common += ["--machine", str(options.machine_file)]
@@ -83,7 +85,7 @@ class Supervisor:
             "preparation", "runtime.scheduler.preparation_process", [*common, "--dialect", options.dialect]
         )
         self.plc = Child("PLC", "runtime.scheduler.plc_process", [*common, "--wake", str(self._wake)], [self._wake])
-        drives = ["--state", str(state_directory(machine) / "simulated-drives.json")]
+        drives = ["--state", str(state / "simulated-drives.json")]
         if options.machine_file is not None:
             drives += ["--machine", str(options.machine_file)]
         self.drives = Child("drives", "runtime.fieldbus.simulator", drives)
@@ -127,7 +129,7 @@ class Supervisor:
             time.sleep(0.05)
         self.memory = memory
         self._events = EventRing(names.events(self.options.name), create=False)
-        self.statistics = CycleStatistics.attach(names.statistics(self.options.name))
+        self.statistics = CycleStatistics(names.statistics(self.options.name), create=False)
 
     def _start_metrics(self) -> None:
         settings = self.machine.metrics
@@ -137,7 +139,7 @@ class Supervisor:
         try:
             self._metrics = start_metrics_server(settings.host, settings.port, self._collector)
         except TandemError as error:  # the machine runs without being watched, and says so
-            self.journal.problem(error.problem)
+            write_problem(self.journal, error.problem)
 
     @property
     def metrics_port(self) -> int:
@@ -162,14 +164,15 @@ class Supervisor:
         cycle = self.memory.hli.head.cycle_r
         if cycle != self._cycle_before:  # the watchdog is fed by the cycle, not by this process
             self._cycle_before = cycle
-            self._notifier.watchdog()
+            self._notifier.feed_watchdog()
         return True
 
     def _drain_events(self) -> None:
         if self._events is None:
             return
         for event in self._events.take():
-            self.journal.event(event)
+            error = event.kind is EventKind.ERROR
+            write_event(self.journal, event, self._axis_names, Severity(int(event.value)) if error else Severity.ERROR)
             if self._collector is not None:
                 self._collector.count(event)
             if self.on_event is not None:
@@ -182,7 +185,7 @@ class Supervisor:
             return
         self._failed = True
         problem = Problem(alarms.PROCESS_LOST, {"process": f"cycle: {reason}"})
-        self.journal.problem(problem)
+        write_problem(self.journal, problem)
         if self.memory is not None and self._events is not None:
             AlarmList(self.memory.hli, self._events, time.time_ns).add(problem)
             self.memory.hli.head.running_r = False
@@ -225,9 +228,14 @@ class Supervisor:
             axis.name: hli.axes[i].status.actual_position_r * 1e-4 for i, axis in enumerate(self.machine.axes)
         }
         offsets = {channel.name: dict(channel.zero_offsets) for channel in self.machine.channels}
-        problem = self._store.save(RetainedData(positions=positions, zero_offsets=offsets, alarms=history(hli)))
-        if problem is not None:
-            self.journal.problem(problem)
+        try:
+            self._store.save(Retained(positions, offsets, history(hli)))
+        except RetainedError as error:
+            if not self._retain_failed:  # told once, tried again every second
+                write_problem(self.journal, error.problem)
+            self._retain_failed = True
+        else:
+            self._retain_failed = False
 
     # ------------------------------------------------------------------ stop
 
@@ -251,7 +259,3 @@ class Supervisor:
         code = self.cycle.process.returncode if self.cycle.process else 1
         return 1 if self._failed or code else 0
 
-
-def tell(text: str) -> None:
-    """A line for the person at the terminal."""
-    print(text, file=sys.stderr, flush=True)

@@ -102,3 +102,10 @@ CYCLE_NOT_STARTED = ErrorEntry(
     severity=Severity.FATAL,
     remedy="the lines before this one tell why",
 )
+AXIS_MOVED = ErrorEntry(
+    306024,
+    "axis {axis} stands at {now:.3f}, at the end of the last run it stood at {before:.3f}",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="was it moved while the control was off? if not, check its encoder before the first move",
+)
