@@ -43,7 +43,8 @@ class PlcProcess:
 class PlcSupervision:
     """Wakes the PLC when it is due, and tells once when it is lost.
 
-    Lost: no sign of life within the watchdog time, its program has reported a failure, or it has logged off.
+    Lost: no sign of life within the watchdog time, its program has reported a failure, or it has logged off. Its log-on flags
+    stay as they are: what it has claimed is not given away, and what it has not acknowledged is not taken as done.
     """
 
     def __init__(self, hli: Hli, partner: PlcPartner, every: int) -> None:
@@ -106,9 +107,6 @@ class PlcSupervision:
     def _lose(self) -> None:
         self.running = False
         self._platform.plc_running_r = False
-        self._platform.plc_present_w = False  # a dead PLC cannot log off
-        for area in (*self._hli.channels, *self._hli.axes):
-            area.plc_present_w = False
 
     def restart(self) -> None:
         """Ask for a new start, if the program does not run."""
