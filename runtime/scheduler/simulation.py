@@ -29,6 +29,7 @@ from runtime.hli.layout import Mode, State, StopCondition
 from runtime.hli.memory import HliMemory
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_inline import InlinePlc
+from runtime.scheduler.plc_link import PlcPartner
 from runtime.scheduler.preparation import Preparation
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
@@ -69,7 +70,10 @@ class Result:
 
 
 class Simulation:
-    """A machine in virtual time. `cycle` moves it one cycle on; `run_program` does a program from start to end."""
+    """A machine in virtual time. `cycle` moves it one cycle on; `run_program` does a program from start to end.
+
+    `partner` takes the place of the PLC program that the machine description names; `plc=False` runs without any.
+    """
 
     def __init__(
         self,
@@ -80,6 +84,7 @@ class Simulation:
         trace: Path | None = None,
         samples: bool = False,
         plc: bool = True,
+        partner: Callable[[HliMemory], PlcPartner] | None = None,
         base: Path | None = None,
         start_position: Floats | None = None,
     ) -> None:
@@ -99,7 +104,11 @@ class Simulation:
         )
         self._plant: SimulatedPlant | None = None
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
-        self.plc = InlinePlc(machine, self.memory, base) if plc and machine.plc.program else None
+        self.plc: PlcPartner | None = None
+        if partner is not None:
+            self.plc = partner(self.memory)
+        elif plc and machine.plc.program:
+            self.plc = InlinePlc(machine, self.memory, base)
         self.drives.start()
         self.controller = Controller(
             machine,
