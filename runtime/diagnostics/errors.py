@@ -94,4 +94,5 @@ class TandemError(Exception):
 
     def __init__(self, entry: ErrorEntry, place: Place = Place(), **values: object) -> None:  # noqa: B008 - frozen
         self.problem = Problem(entry, values, place)
+        self.problems: tuple[Problem, ...] = (self.problem,)  # all of them, where a stage reports more than one
         super().__init__(str(self.problem))
