@@ -81,7 +81,7 @@ class OneShot:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """An order of the mode unit and who gave it."""
+    """An order of the mode unit; `by_operator`: he waits for the answer."""
 
     wish: Wish
     by_operator: bool
@@ -99,9 +99,9 @@ class ModeOrders:
         """The next order, or None. Each order must be closed by `answer` before the next one is taken."""
         unit, operator = self._unit, self._operator
         claimed = present and bool(unit.enable_w)
-        if not claimed:
-            unit.request_semaphor_rw = False  # nobody will fetch it
-        elif operator.order_semaphor_rw and not unit.request_semaphor_rw:
+        if not present:
+            unit.request_semaphor_rw = False  # who had claimed it is gone: nothing may start because of that
+        if claimed and operator.order_semaphor_rw and not unit.request_semaphor_rw:
             unit.request_r = operator.order_w
             unit.request_semaphor_rw = True
             self._tell_operator(None)
@@ -110,7 +110,10 @@ class ModeOrders:
         if claimed and unit.command_semaphor_rw:
             self._order = Order(_wish(unit.command_w), by_operator=False)
             unit.command_semaphor_rw = False
-        elif not claimed and operator.order_semaphor_rw:
+        elif unit.request_semaphor_rw and not claimed:  # the PLC has given the unit back with a request in it
+            self._order = Order(_wish(unit.request_r), by_operator=False)
+            unit.request_semaphor_rw = False
+        elif operator.order_semaphor_rw and not claimed:
             self._order = Order(_wish(operator.order_w), by_operator=True)
         return self._order
 
