@@ -80,6 +80,7 @@ class DemoMill(Program):
     @m_function(6)
     def change_tool(self, f: NcFunction) -> Iterator[None]:
         """A sequence of steps: `yield` ends the cycle, the end of the method acknowledges."""
+        self.spindle.override = 0.0  # the program need not say M5 first
         yield from self.until(lambda: self.spindle.standing, SPINDLE_TIME, "tool change: the spindle turns")
         self.io.tool_unlock = True
         yield from self.until(lambda: self.io.tool_unlocked, TOOL_TIME, "tool does not unlock")
@@ -91,6 +92,7 @@ class DemoMill(Program):
         self.io.tool_unlock = False
         yield from self.until(lambda: self.io.tool_in_spindle, TOOL_TIME, "tool is not clamped in the spindle")
         self.tool = self.next_tool
+        self.spindle.override = 100.0
 
     @h_function(12)
     def count_hole(self, f: NcFunction) -> bool:
@@ -111,3 +113,4 @@ class DemoMill(Program):
         self.io.coolant_pump = False
         self.io.tool_unlock = False
         self.io.magazine_step = False
+        self.spindle.override = 100.0

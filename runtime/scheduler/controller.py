@@ -219,6 +219,7 @@ class Controller:
             self.alarm(problem)
             return
         position = self.drives.image.target_position[self._path_axes].copy()
+        self.publisher.program(program)
         self.channel.start(program, position, self.orders.skip_levels)
 
     def _hindrance(self) -> Problem | None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from runtime.cnc.axes.supervision import AxisSupervision
 from runtime.cnc.channel import Channel
+from runtime.cnc.preparation_link import PreparationState
 from runtime.config.machine import AxisType, Machine
 from runtime.drives import DriveImage, DriveState
 from runtime.hli.layout import AxisState, Hli, StopCondition
+from runtime.hli.memory import put_text
+from runtime.hli.units import INT32
 
 LENGTH = 1e4  # 0.1 µm per mm, 0.0001 degrees per degree
 SPEED = 1e3  # µm/s per mm/s, 0.001 degrees/s per degree/s
@@ -57,6 +60,10 @@ class Publisher:
         image.digital_out[:] = area.digital_out_w
         image.analogue_out[:] = area.analogue_out_w
 
+    def program(self, name: str) -> None:
+        """A program starts."""
+        put_text(self._status, "program_name_r", name)
+
     def status(self, override: float) -> None:
         """End of the cycle: channel, axes, spindles, bus figures."""
         channel, path = self._channel, self._channel.interpolator
@@ -68,6 +75,9 @@ class Publisher:
         status.line_r = max(path.line, 0) if channel.active else 0
         status.block_number_r = -1 if path.n is None else path.n
         status.block_counter_r = channel.block_counter
+        status.command_feed_r = int(min(path.feed, INT32 / SPEED) * SPEED)
+        status.covered_distance_r = int(path.covered * 1000.0)
+        status.decoder_program_end_r = channel.link.state is not PreparationState.RUNNING
         status.stop_condition_r = int(stop)
         status.interpolation_active_r = channel.active and not path.standstill
         status.program_end_r = channel.program_ended
