@@ -92,8 +92,8 @@ def _load_module(name: str, reference: str, directory: Path) -> ModuleType:
         if name.endswith(".py") or not error.name or not (name == error.name or name.startswith(error.name + ".")):
             raise failure(catalogue.PLC_IMPORT_RAISED, reference, error) from error
         missing = f"there is no module {error.name}"
-    except PlcError:
-        raise
+    except PlcError as error:  # two handlers for one function
+        raise PlcFailure(error.problem.entry, Place(reference), "", **error.problem.values) from error
     except (Exception, SystemExit) as error:
         raise failure(catalogue.PLC_IMPORT_RAISED, reference, error) from error
     raise PlcFailure(catalogue.PLC_MODULE_MISSING, Place(reference), "", program=reference, what=missing)
