@@ -1,6 +1,7 @@
 """Boot of the bus, as CiA 302-2 has it: reset, wait for the boot-up messages, check who is there, configure, start.
 
-Everything here happens before the first cycle. Whoever is missing or wrong stops the start with an error that names it.
+Everything here happens before the first cycle. Whoever is missing or wrong stops the start with an error that
+names it.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from canopen.nmt import NmtMaster
-from canopen.sdo import SdoAbortedError, SdoCommunicationError
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.drives import DriveImage
 from runtime.fieldbus import cia402, exchange
 from runtime.fieldbus.error_codes import nmt_state_text
@@ -108,19 +110,18 @@ class BootSequence:
             raise FieldbusError(catalogue.NODE_MISSING, nodes=missing, seconds=self._bus.boot_timeout)
 
     def _identify(self, link: DriveLink | IoLink) -> None:
-        found = {"node": link.node, "owner": link.owner}
         profile = self._read(link, DEVICE_TYPE) & 0xFFFF
         if profile != link.profile:
-            raise FieldbusError(catalogue.WRONG_DEVICE_TYPE, actual=profile, expected=link.profile, **found)
+            raise _refused(catalogue.WRONG_DEVICE_TYPE, link, actual=profile, expected=link.profile)
         if link.vendor_id is not None and (vendor := self._read(link, IDENTITY, 1)) != link.vendor_id:
-            raise FieldbusError(catalogue.WRONG_VENDOR, actual=vendor, expected=link.vendor_id, **found)
+            raise _refused(catalogue.WRONG_VENDOR, link, actual=vendor, expected=link.vendor_id)
         if link.product_code is not None and (product := self._read(link, IDENTITY, 2)) != link.product_code:
-            raise FieldbusError(catalogue.WRONG_PRODUCT, actual=product, expected=link.product_code, **found)
+            raise _refused(catalogue.WRONG_PRODUCT, link, actual=product, expected=link.product_code)
         if isinstance(link, DriveLink) and self._has(link, cia402.SUPPORTED_MODES):
             modes = self._read(link, cia402.SUPPORTED_MODES)
             if not modes >> (link.mode - 1) & 1:
                 name = link.mode.name.lower().replace("_", " ")
-                raise FieldbusError(catalogue.MODE_UNSUPPORTED, mode=name, supported=modes, **found)
+                raise _refused(catalogue.MODE_UNSUPPORTED, link, mode=name, supported=modes)
 
     def _configure(self, link: DriveLink | IoLink) -> None:
         self._write(link, PRODUCER_HEARTBEAT, 0, round(self._bus.heartbeat * 1000))
@@ -191,7 +192,7 @@ class BootSequence:
         if not self._wait(lambda: all(link.nmt_state == OPERATIONAL for link in self._links), self._bus.boot_timeout):
             link = next(link for link in self._links if link.nmt_state != OPERATIONAL)
             state = nmt_state_text(link.nmt_state)
-            raise FieldbusError(catalogue.NODE_NOT_OPERATIONAL, node=link.node, owner=link.owner, state=state)
+            raise _refused(catalogue.NODE_NOT_OPERATIONAL, link, state=state)
 
     def _command(self, node: int, state: str) -> None:
         nmt = NmtMaster(node)
@@ -215,10 +216,7 @@ class BootSequence:
         except (SdoCommunicationError, struct.error, ValueError) as error:
             raise _silent(link, "read", name, error) from error
         except KeyError:
-            purpose = "the check of the device"
-            raise FieldbusError(
-                catalogue.EDS_OBJECT_MISSING, node=link.node, owner=link.owner, object=name, purpose=purpose
-            ) from None
+            raise _refused(catalogue.EDS_OBJECT_MISSING, link, object=name, purpose="the check of the device") from None
 
     def _write(self, link: DriveLink | IoLink, index: int, subindex: int, value: int) -> None:
         name = object_name(index, subindex)
@@ -230,25 +228,18 @@ class BootSequence:
         except (SdoCommunicationError, struct.error, ValueError) as error:
             raise _silent(link, "write", name, error) from error
         except KeyError:
-            purpose = "the configuration"
-            raise FieldbusError(
-                catalogue.EDS_OBJECT_MISSING, node=link.node, owner=link.owner, object=name, purpose=purpose
-            ) from None
+            raise _refused(catalogue.EDS_OBJECT_MISSING, link, object=name, purpose="the configuration") from None
+
+
+def _refused(entry: ErrorEntry, link: DriveLink | IoLink, **values: object) -> FieldbusError:
+    return FieldbusError(entry, Place(), node=link.node, owner=link.owner, **values)
 
 
 def _aborted(link: DriveLink | IoLink, access: str, name: str, error: SdoAbortedError) -> FieldbusError:
-    meaning = SdoAbortedError.CODES.get(error.code, "unknown reason")
-    return FieldbusError(
-        catalogue.SDO_ABORTED,
-        node=link.node,
-        owner=link.owner,
-        access=access,
-        object=name,
-        meaning=meaning[:1].lower() + meaning[1:],
-        code=error.code,
-    )
+    text = SdoAbortedError.CODES.get(error.code, "unknown reason")
+    meaning = text[:1].lower() + text[1:]
+    return _refused(catalogue.SDO_ABORTED, link, access=access, object=name, meaning=meaning, code=error.code)
 
 
 def _silent(link: DriveLink | IoLink, access: str, name: str, error: Exception) -> FieldbusError:
-    values = {"node": link.node, "owner": link.owner, "access": access, "object": name}
-    return FieldbusError(catalogue.SDO_NO_ANSWER, reason=str(error), **values)
+    return _refused(catalogue.SDO_NO_ANSWER, link, access=access, object=name, reason=str(error))

@@ -7,7 +7,7 @@ import fcntl
 import ipaddress
 import socket
 import struct
-from typing import Final
+from typing import Any, Final
 
 import can
 
@@ -41,7 +41,8 @@ def open_bus(config: Bus) -> can.BusABC:
             return _open_multicast(config)
         if config.interface == "socketcan":
             _check_up(config)
-        return can.Bus(interface=config.interface, channel=config.channel, **config.options)
+        arguments: dict[str, Any] = dict(config.options)
+        return can.Bus(interface=config.interface, channel=config.channel, **arguments)
     except TypeError as error:
         options = ", ".join(config.options) or "none"
         raise _problem(catalogue.BUS_BAD_OPTION, config, str(error), options=options) from error
@@ -57,8 +58,8 @@ def _open_multicast(config: Bus) -> can.BusABC:
         raise _problem(catalogue.BUS_NO_MULTICAST, config, "this is no IP address") from None
     bus = MulticastBus(config.channel, **config.options)
     try:
-        # A group can be joined on an interface that has no route to it: only sending tells. An empty frame of an identifier that
-        # nobody uses harms nobody.
+        # A group can be joined on an interface that has no route to it: only sending tells. An empty frame of an
+        # identifier that nobody uses harms nobody.
         bus.send(can.Message(arbitration_id=0x7FF, is_extended_id=False))
     except can.CanError:
         bus.shutdown()

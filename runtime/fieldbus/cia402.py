@@ -1,7 +1,7 @@
 """The CiA 402 state machine as the master sees it: status words to states, wishes to control words, all as tables.
 
-The device-side machine, with its numbered transitions, is in runtime.fieldbus.simulator.device_states. Source: IEC 61800-7-201
-(CiA 402-2), "Finite state automaton of the PDS".
+The device-side machine, with its numbered transitions, is in runtime.fieldbus.simulator.device_states. Source: IEC
+61800-7-201 (CiA 402-2), "Finite state automaton of the PDS".
 """
 
 from __future__ import annotations
@@ -106,8 +106,9 @@ RESET_PULSE_CYCLES: Final = 10  # so that a lost frame does not lose the edge
 class DriveControl:
     """The master's end of one drive's state machine.
 
-    After a fault, or after the drive left OPERATION_ENABLED by itself, the drive is `locked`: it is enabled again only after
-    the enable was withdrawn once, or after the fault was acknowledged. A fault that goes away by itself moves no axis.
+    After a fault, or after the drive left OPERATION_ENABLED by itself, the drive is `locked`: it is enabled again
+    only after the enable was withdrawn once, or after the fault was acknowledged. A fault that goes away by itself
+    moves no axis.
     """
 
     state: DriveState = DriveState.OFFLINE

@@ -1,6 +1,7 @@
 """Plain text of CANopen's codes: emergency error codes, NMT states.
 
-Emergency codes are those of CiA 301 (communication) and of IEC 61800-7-201 / CiA 402 (drives), where 0x603F uses the same.
+Emergency codes are those of CiA 301 (communication) and of IEC 61800-7-201 / CiA 402 (drives), where 0x603F
+uses the same.
 """
 
 from __future__ import annotations

@@ -6,4 +6,4 @@ from runtime.diagnostics.errors import TandemError
 
 
 class FieldbusError(TandemError):
-    """The bus cannot be opened, a node is missing or is not what the machine description says, a configuration is refused."""
+    """The bus cannot be opened, a node is missing or another than described, a configuration is refused."""

@@ -1,7 +1,7 @@
 """Which process data go between master and nodes: data, one row per PDO.
 
-At 1 Mbit/s a cycle of 1 ms has room for some eight frames, so each frame carries only what the cycle needs. The error code comes
-by EMCY, the velocity of an axis is the difference of its positions.
+At 1 Mbit/s a cycle of 1 ms has room for some eight frames, so each frame carries only what the cycle needs. The error
+code comes by EMCY, the velocity of an axis is the difference of its positions.
 """
 
 from __future__ import annotations

@@ -229,7 +229,8 @@ Links = list[DriveLink | IoLink]
 def make_links(machine: Machine) -> Links:
     """A link per node, axes first, in the order of the machine description.
 
-    Raises FieldbusError for an EDS that cannot be read or lacks what is needed, and for start-up writes that cannot be made.
+    Raises FieldbusError for an EDS that cannot be read or lacks what is needed, and for start-up writes that cannot
+    be made.
     """
     links: Links = [_drive_link(axis, index, axis.drive) for index, axis in enumerate(machine.axes) if axis.drive]
     first_input = first_output = 0
@@ -239,8 +240,10 @@ def make_links(machine: Machine) -> Links:
         first_output += len(io.outputs)
         for bits, direction in ((first_input, "inputs"), (first_output, "outputs")):
             if bits > DIGITAL_BYTES * 8:
-                values = {"node": io.node, "bits": bits, "direction": f"{direction} with the nodes before it"}
-                raise FieldbusError(catalogue.TOO_MANY_BITS, limit=DIGITAL_BYTES * 8, **values)
+                text = f"{direction} with the nodes before it"
+                raise FieldbusError(
+                    catalogue.TOO_MANY_BITS, node=io.node, bits=bits, direction=text, limit=DIGITAL_BYTES * 8
+                )
     master = machine.fieldbus.bus.master_node
     for link in links:
         if link.node == master:
@@ -274,8 +277,9 @@ def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> Io
     owner = f"I/O node {number}"
     for names, direction in ((io.inputs, "inputs"), (io.outputs, "outputs")):
         if len(names) > MAX_IO_BITS:
-            values = {"node": io.node, "bits": len(names), "direction": direction, "limit": MAX_IO_BITS}
-            raise FieldbusError(catalogue.TOO_MANY_BITS, **values)
+            raise FieldbusError(
+                catalogue.TOO_MANY_BITS, node=io.node, bits=len(names), direction=direction, limit=MAX_IO_BITS
+            )
     od = _dictionary(io.eds, IO_EDS, io.node, owner)
     return IoLink(
         node=io.node,

@@ -1,11 +1,11 @@
 """The CANopen master: carries the drive image over the bus, once per cycle, without threads.
 
-    read()   take every frame that has come, by a table of COB-IDs; feedback and inputs into the image; watch the nodes
-    write()  set-points and outputs of this cycle as RPDOs, then SYNC: all drives take them over at the same moment and answer
-             with their feedback, which the next read() finds
+    read()   take every frame that has come, by a table of COB-IDs; feedback and inputs into the image; watch nodes
+    write()  set-points and outputs of this cycle as RPDOs, then SYNC: all drives take them over at the same moment
+             and answer with their feedback, which the next read() finds
 
-Time and bus are passed in. While the master must wait (boot, stop) it calls `idle` again and again: in real time that sleeps a
-little, in virtual time it lets the simulated nodes and the clock go on.
+Time and bus are passed in. While the master must wait (boot, stop) it calls `idle` again and again: in real time that
+sleeps a little, in virtual time it lets the simulated nodes and the clock go on.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Final
 import can
 import numpy as np
 
-from runtime.config.machine import AxisType, Machine
+from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DIGITAL_BYTES, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
@@ -47,8 +47,8 @@ RESTING: Final = (
 class CanopenMaster:
     """A `DriveSystem` (runtime.drives) over CANopen.
 
-    `now()` gives seconds of a clock that only goes forward; `idle()` must let it go forward. The bus is the caller's: it opens
-    it and shuts it down.
+    `now()` gives seconds of a clock that only goes forward; `idle()` must let it go forward. The bus is the caller's:
+    it opens it and shuts it down.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class CanopenMaster:
         self.image.state[:] = DriveState.OFFLINE
         self.image.fault_code[:] = 0
 
-    # -- before the first cycle ----------------------------------------------------------------------------------------------
+    # -- before the first cycle --------------------------------------------------------------------------------------
 
     def start(self) -> None:
         """Boot, check and configure all nodes, and start them; the drives stay disabled.
@@ -151,7 +151,7 @@ class CanopenMaster:
         if load > 1.0:
             self.image.events.append(DriveEvent(catalogue.BUS_OVERLOADED.id, -1, 0, round(load * 100)))
 
-    # -- the cycle -----------------------------------------------------------------------------------------------------------
+    # -- the cycle ---------------------------------------------------------------------------------------------------
 
     def read(self) -> None:
         """Start of a cycle: bring the feedback into the image. Never blocks, never raises."""
@@ -263,10 +263,10 @@ class CanopenMaster:
             self.image.bus_load = self._bits / (LOAD_WINDOW * self._period * self._config.bitrate)
             self._cycles, self._bits = 0, 0.0
 
-    # -- what goes wrong -----------------------------------------------------------------------------------------------------
+    # -- what goes wrong ---------------------------------------------------------------------------------------------
 
     def _watch(self, now: float) -> None:
-        """Heartbeats of all nodes, process data of the drives. Time runs from the first cycle on, not from the boot."""
+        """Heartbeats of all nodes, process data of the drives. Time runs from the first cycle on, not the boot."""
         timeout = self._config.heartbeat_timeout
         if not self._watching:
             self._watching = True
@@ -341,7 +341,7 @@ class CanopenMaster:
         self.image.bus_load = 0.0
         self.image.events.append(DriveEvent(error_id, -1, 0, code))
 
-    # -- the end -------------------------------------------------------------------------------------------------------------
+    # -- the end -----------------------------------------------------------------------------------------------------
 
     def stop(self) -> None:
         """Disable the drives in order, outputs off, nodes to pre-operational. At most some seconds; never raises."""

@@ -1,8 +1,8 @@
 """python-can's CAN over UDP multicast, for several processes on one computer, without the echo.
 
-A multicast socket hears what it sends itself, and python-can cannot tell: half of all frames received would be our own. Frames
-carry a mark of their sender in the message's channel, which the protocol has room for; other python-can users are understood,
-and understand.
+A multicast socket hears what it sends itself, and python-can cannot tell: half of all frames received would be our
+own. Frames carry a mark of their sender in the message's channel, which the protocol has room for; other python-can
+users are understood, and understand.
 """
 
 from __future__ import annotations

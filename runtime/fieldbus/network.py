@@ -1,7 +1,7 @@
 """canopen's network without threads: whoever owns it feeds frames in and lets time pass.
 
-`canopen.Network` receives in a notifier thread and sends periodic frames from another one. Both are replaced by calls, so that
-the same objects (SDO server and client, NMT, EMCY) run in a cycle and under a virtual clock.
+`canopen.Network` receives in a notifier thread and sends periodic frames from another one. Both are replaced by
+calls, so that the same objects (SDO server and client, NMT, EMCY) run in a cycle and under a virtual clock.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from collections.abc import Callable
 
 import can
 import canopen
-from canopen.sdo import SdoAbortedError, SdoClient, SdoCommunicationError
+from canopen.sdo.client import SdoClient
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 Wait = Callable[[Callable[[], bool], float], bool]
 """`wait(condition, seconds)`: let bus and time run until the condition holds; False if the time went by."""
@@ -75,7 +76,7 @@ class PolledNetwork(canopen.Network):
         return min((frame.due for frame in self._periodic), default=float("inf"))
 
     def receive(self, message: can.Message) -> None:
-        """Hand a received frame to its subscribers. Frames that canopen cannot read are dropped, as on a real node."""
+        """Hand a received frame to its subscribers. Frames that canopen cannot read are dropped."""
         if message.is_error_frame or message.is_remote_frame or message.is_extended_id:
             return
         try:

@@ -1,7 +1,7 @@
 """Process data objects: what is in them, and how a dictionary turns that into bytes.
 
-A PDO is planned as a row of objects (`PdoPlan`), laid out with the types of an object dictionary (`PdoLayout`), which gives one
-precompiled `struct` for all its values. Master and simulated nodes use the same.
+A PDO is planned as a row of objects (`PdoPlan`), laid out with the types of an object dictionary (`PdoLayout`), which
+gives one precompiled `struct` for all its values. Master and simulated nodes use the same.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ ObjectKey = tuple[int, int]
 
 
 class Direction(Enum):
-    """As the node sees it; the values are the first communication, the first mapping parameter, and the first COB-ID."""
+    """As the node sees it: the first communication parameter, the first mapping parameter, the first COB-ID."""
 
     RECEIVE = (0x1400, 0x1600, 0x200)
     TRANSMIT = (0x1800, 0x1A00, 0x180)
@@ -99,7 +99,8 @@ def object_name(index: int, subindex: int = 0) -> str:
 def lay_out(od: canopen.ObjectDictionary, objects: tuple[ObjectKey, ...]) -> PdoLayout:
     """The layout of these objects with the types of `od`.
 
-    Raises KeyError for an object that `od` does not have, ValueError for one that cannot be mapped or if all are too long.
+    Raises KeyError for an object that `od` does not have, ValueError for one that cannot be mapped, or
+    if all are too long.
     """
     codes = "<"
     for index, subindex in objects:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-# A classic frame with an 11-bit identifier: 44 bits + data, 3 bits of pause. The 34 bits from start of frame to CRC, and the
-# data, are stuffed: at worst one bit in four (ISO 11898-1). Half of the worst case is the estimate for process data.
+# A classic frame with an 11-bit identifier: 44 bits + data, 3 bits of pause. The 34 bits from start of frame to CRC,
+# and the data, are stuffed: at worst one bit in four (ISO 11898-1). Half of the worst case is the estimate for
+# process data.
 FRAME_BITS: Final = tuple(47 + 8 * n + (34 + 8 * n - 1) // 4 / 2 for n in range(9))
 
 

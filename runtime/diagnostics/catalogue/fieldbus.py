@@ -1,12 +1,12 @@
 """Errors of the CANopen bus, its nodes and the CiA 402 drives.
 
-Entries from 303030 on happen while the machine runs: the cycle gets them as `DriveEvent`, and their text is filled with `owner`
-("axis X" or "I/O node"), `node`, `code` and the code's `meaning` (runtime.fieldbus.events).
+Entries from 303030 on happen while the machine runs: the cycle gets them as `DriveEvent`, and their text is filled
+with `owner` ("axis X" or "I/O node"), `node`, `code` and the code's `meaning` (runtime.fieldbus.events).
 """
 
 from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
 
-# -- opening the bus ------------------------------------------------------------------------------------------------------------
+# -- opening the bus -------------------------------------------------------------------------------------------------
 BUS_MISSING = ErrorEntry(
     303001,
     "CAN interface {channel} does not exist",
@@ -44,7 +44,7 @@ BUS_BAD_OPTION = ErrorEntry(
     remedy="fieldbus.bus.options goes to python-can as it is; see its documentation of the interface",
 )
 
-# -- what the machine description asks for, and cannot be ----------------------------------------------------------------------
+# -- what the machine description asks for, and cannot be ------------------------------------------------------------
 EDS_UNREADABLE = ErrorEntry(
     303010,
     "EDS file {file} of node {node} ({owner}) cannot be read: {reason}",
@@ -76,7 +76,7 @@ MASTER_NODE_TAKEN = ErrorEntry(
     remedy="give fieldbus.bus.master_node another id",
 )
 
-# -- boot -----------------------------------------------------------------------------------------------------------------------
+# -- boot ------------------------------------------------------------------------------------------------------------
 OTHER_MASTER = ErrorEntry(
     303020,
     "another CANopen master is active on the bus {channel}",
@@ -123,7 +123,7 @@ NODE_NOT_OPERATIONAL = ErrorEntry(
     remedy="look at the node's own diagnosis",
 )
 
-# -- in operation ---------------------------------------------------------------------------------------------------------------
+# -- in operation ----------------------------------------------------------------------------------------------------
 DRIVE_FAULT = ErrorEntry(
     303030,
     "the drive of {owner} (node {node}) is in fault: {meaning} (0x{code:04X})",

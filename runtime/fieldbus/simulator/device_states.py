@@ -1,7 +1,7 @@
 """The CiA 402 state machine inside a drive: commands and numbered transitions, as a table.
 
-Source: IEC 61800-7-201 (CiA 402-2), "Finite state automaton of the PDS"; the numbers are those of its figure. Transitions 0, 1, 13
-and 14 happen by themselves.
+Source: IEC 61800-7-201 (CiA 402-2), "Finite state automaton of the PDS"; the numbers are those of its figure.
+Transitions 0, 1, 13 and 14 happen by themselves.
 """
 
 from __future__ import annotations

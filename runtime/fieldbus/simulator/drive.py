@@ -82,7 +82,7 @@ class SimulatedDrive(SimulatedNode):
         super().__init__(node, eds, network)
         self.reset_application()
 
-    # -- life ----------------------------------------------------------------------------------------------------------------
+    # -- life --------------------------------------------------------------------------------------------------------
 
     def reset_application(self) -> None:
         self.state = DriveState.NOT_READY_TO_SWITCH_ON
@@ -153,7 +153,7 @@ class SimulatedDrive(SimulatedNode):
         self._advanced = self._now
         self._publish()
 
-    # -- state machine -------------------------------------------------------------------------------------------------------
+    # -- state machine -----------------------------------------------------------------------------------------------
 
     def set_points_taken(self) -> None:
         self._obey(self.values[CONTROLWORD, 0])
@@ -204,7 +204,7 @@ class SimulatedDrive(SimulatedNode):
         ):
             self.fail(COMMUNICATION_FAULT)
 
-    # -- motion --------------------------------------------------------------------------------------------------------------
+    # -- motion ------------------------------------------------------------------------------------------------------
 
     def _move(self, dt: float) -> None:
         if dt <= 0.0:

@@ -1,7 +1,7 @@
 """A CANopen node without threads: SDO server and NMT slave of `canopen`, PDOs and heartbeats as the dictionary says.
 
-Profiles (drive, I/O) derive from it: they own the live objects (`values`) and are told of SYNC, of new set-points, of lost
-heartbeats.
+Profiles (drive, I/O) derive from it: they own the live objects (`values`) and are told of SYNC, of new set-points, of
+lost heartbeats.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Final
 
 import canopen
 from canopen.objectdictionary import ODVariable
-from canopen.sdo import SdoAbortedError
+from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.pdo import (
@@ -81,7 +81,7 @@ class SimulatedNode:
         self.local.add_read_callback(self._on_read)
         self.local.add_write_callback(self._on_write)
 
-    # -- for profiles --------------------------------------------------------------------------------------------------------
+    # -- for profiles ------------------------------------------------------------------------------------------------
 
     def reset_application(self) -> None:
         """Power-on values of the profile's objects."""
@@ -98,7 +98,7 @@ class SimulatedNode:
     def connection_lost(self) -> None:
         """The master's heartbeat is lost, or NMT took the node out of operation."""
 
-    # -- life ----------------------------------------------------------------------------------------------------------------
+    # -- life --------------------------------------------------------------------------------------------------------
 
     def power_on(self, now: float) -> None:
         """Boot: defaults, boot-up message, pre-operational."""
@@ -176,7 +176,7 @@ class SimulatedNode:
         if not self.silent:
             self.local.emcy.reset()
 
-    # -- objects -------------------------------------------------------------------------------------------------------------
+    # -- objects -----------------------------------------------------------------------------------------------------
 
     def _number(self, index: int, subindex: int = 0) -> int:
         variable = self.local.object_dictionary.get_variable(index, subindex)
@@ -216,9 +216,9 @@ class SimulatedNode:
         direction = Direction.RECEIVE if index < 0x1800 else Direction.TRANSMIT
         communication, mapping, _ = direction.value
         number = index & 0xFF
-        if index >= mapping or subindex == 2:
-            if not self._number(communication + number, 1) & INVALID:
-                raise SdoAbortedError(DEVICE_STATE)
+        switched_on = not self._number(communication + number, 1) & INVALID
+        if switched_on and (index >= mapping or subindex == 2):
+            raise SdoAbortedError(DEVICE_STATE)
         if index >= mapping and subindex and self._number(mapping + number, 0):
             raise SdoAbortedError(DEVICE_STATE)
         if index >= mapping and not subindex and value:
@@ -237,7 +237,7 @@ class SimulatedNode:
             raise SdoAbortedError(CANNOT_MAP)
         return layout
 
-    # -- process data --------------------------------------------------------------------------------------------------------
+    # -- process data ------------------------------------------------------------------------------------------------
 
     def _switch_on_pdos(self) -> None:
         for pdo in self._receive:

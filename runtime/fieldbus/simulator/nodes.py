@@ -1,7 +1,7 @@
-"""All simulated nodes of a machine on one bus: a drive per axis, an I/O node per entry of `fieldbus.io`, the plant around them.
+"""All simulated nodes of a machine on one bus: drives, I/O nodes, and the plant around them.
 
-Nothing runs by itself: `poll` handles the frames that have come, `step` lets time pass. In one process with the master both are
-called between its write() and its read(); in a process of their own, by the loop in `__main__`.
+Nothing runs by itself: `poll` handles the frames that have come, `step` lets time pass. In one process with the
+master both are called between its write() and its read(); in a process of their own, by the loop in `__main__`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ OTHER_VENDOR = 0x1234
 
 
 class NodeNetwork(PolledNetwork):
-    """A network that several nodes share; nodes in `silent` are cut off: their frames, known by the COB-ID, don't go out."""
+    """A network that several nodes share; the frames of nodes in `silent`, known by the COB-ID, don't go out."""
 
     def __init__(self, bus: can.BusABC) -> None:
         super().__init__(bus)
@@ -121,7 +121,7 @@ class SimulatedNodes:
                 node.on_heartbeat(can_id - 0x700, self._now)
 
     def inject(self, node: int, fault: Fault, code: int = OVER_CURRENT) -> None:
-        """Do something bad to a node; `code` is the error code of a drive fault. Raises KeyError for a node that is not there."""
+        """Do something bad to a node; `code` is the error code of a drive fault. Raises KeyError: no such node."""
         target = self.nodes[node]
         match fault:
             case Fault.SILENT:

@@ -1,7 +1,7 @@
 """The machine around the I/O: which input follows from which output, and when.
 
-The table is that of the demo machine. Rules whose names a machine does not have do nothing, so other machines may use the same
-names for the same things.
+The table is that of the demo machine. Rules whose names a machine does not have do nothing, so other machines may use
+the same names for the same things.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Final
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """`input` becomes TRUE `on` s after `output`, FALSE `off` s after it; with `inverted` it follows the output's opposite."""
+    """`input` becomes TRUE `on` s after `output`, FALSE `off` s after it; `inverted`: of the output's opposite."""
 
     output: str
     input: str

@@ -1,4 +1,4 @@
-"""A machine on a virtual bus in virtual time: master and simulated nodes in one process, nothing random, nothing waits."""
+"""A machine on a virtual bus in virtual time: master and simulated nodes in one process, nothing waits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def demo_description() -> dict[str, Any]:
     return description
 
 
-class Bench:
+class Rig:
     """The demo machine (or one described otherwise); `cycle` runs master, then nodes, for one period."""
 
     def __init__(self, description: dict[str, Any] | None = None, *, nodes: bool = True) -> None:
@@ -43,7 +43,7 @@ class Bench:
         self.events: list[DriveEvent] = []
         self.master_alive = True
 
-    def __enter__(self) -> Bench:
+    def __enter__(self) -> Rig:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -81,12 +81,12 @@ class Bench:
             self.cycle()
         return True
 
-    def started(self) -> Bench:
+    def started(self) -> Rig:
         self.master.start()
         self.cycle(3)
         return self
 
-    def enabled(self) -> Bench:
+    def enabled(self) -> Rig:
         """All drives in operation enabled."""
         self.started()
         self.image.enable[:] = True
