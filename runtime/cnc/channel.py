@@ -111,6 +111,7 @@ class Channel:
         self.program_ended = True
         self.trace_blocks = False  # every block start and end as an event
         self.block_counter = 0
+        self.path_length = 0.0  # mm, of the program that ended last
         self.problems: deque[Problem] = deque(maxlen=32)  # taken by the runtime, which raises the alarms
         self._waiting: list[_Waiting] = []
         self._overflow: deque[int] = deque()  # functions (queue records) for which the port had no room
@@ -265,6 +266,7 @@ class Channel:
 
     def _cleared(self) -> None:
         self._tell_failure()
+        self.path_length = self.interpolator.path_position
         self.queue.discard_all()
         self.interpolator.restart(self.interpolator.position.copy())
         self._drop_functions()

@@ -132,7 +132,9 @@ class Simulation:
     def _build_drives(self, ideal: bool, start: Floats | None) -> tuple[DriveSystem, Callable[[], None]]:
         if ideal:
             drives = IdealDrives(len(self.machine.axes), start)
-            return drives, PlantOnImage(self.machine, drives.image, self.plant, lambda: self.time).step
+            plant = PlantOnImage(self.machine, drives.image, self.plant, lambda: self.time)
+            plant.step()  # the first cycle sees the inputs as they are
+            return drives, plant.step
         import can
 
         from runtime.fieldbus.master import CanopenMaster
@@ -252,7 +254,7 @@ class Simulation:
         ]
         return Result(
             time=time,
-            path_length=self.controller.interpolator.path_position,
+            path_length=self.controller.channel.path_length,
             positions={name: float(image.target_position[self.machine.axis_index(name)]) for name in names},
             problems=errors + extra,
             events=list(self.log),
