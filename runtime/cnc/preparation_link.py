@@ -42,6 +42,7 @@ _RECORD = np.dtype(
         ("answer", "u4"),
         ("kind", "i4"),
         ("state", "i4"),
+        ("ready", "i4"),
         ("skip_levels", "u4"),
         ("problem_id", "i4"),
         ("problem_line", "i4"),
@@ -100,6 +101,11 @@ class PreparationLink:
         self._record["order"][0] += np.uint32(1)
 
     @property
+    def ready(self) -> bool:
+        """The preparation has loaded everything and looks at the link."""
+        return bool(self._get("ready"))
+
+    @property
     def answered(self) -> bool:
         """The last order has been taken."""
         return self._get("order") == self._get("answer")
@@ -120,6 +126,10 @@ class PreparationLink:
     def waiting_order(self) -> Order:
         """The order that is not yet answered, or NONE."""
         return Order.NONE if self.answered else Order(self._get("kind"))
+
+    def announce(self) -> None:
+        """Tell that the preparation looks at the link from now on."""
+        self._record["ready"][0] = 1
 
     def read_start(self) -> StartOrder:
         record = self._record

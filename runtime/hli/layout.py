@@ -258,6 +258,7 @@ class Platform(c.Structure):
         ("plc_error_text_w", c.c_char * LONG_TEXT),
         ("plc_error_count_w", c.c_uint64),  # written last
         ("plc_restart_request_r", c.c_uint64),  # the CNC counts up: start the PLC program again
+        ("service_ready_w", c.c_bool),  # the service process: every other process is up, the bus may boot
         ("process_lost_w", c.c_uint64),  # the service process counts up, after the text
         ("process_lost_text_w", c.c_char * TEXT),
     ]

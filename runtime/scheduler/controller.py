@@ -28,11 +28,11 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.machine import Machine
-from runtime.diagnostics.catalogue import CATALOGUE
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveState, DriveSystem
+from runtime.fieldbus.events import problem_of
 from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.technology import TechnologyPort
 from runtime.scheduler.alarms import AlarmList
@@ -157,9 +157,7 @@ class Controller:
             self._axis_fault(fault)
         while image.events:
             event = image.events.popleft()
-            entry = CATALOGUE.get(event.error_id, alarms.DRIVE_FAULT)
-            name = self.machine.axes[event.axis].name if event.axis >= 0 else "-"
-            self.alarm(Problem(entry, {"axis": name, "node": event.node, "code": event.code}), event.axis)
+            self.alarm(problem_of(event, self.machine), event.axis)
         changed = np.flatnonzero(image.state != self._states_before)
         for i in changed:
             self._event(EventKind.DRIVE, number=int(i), value=float(image.state[i]), axis=int(i))

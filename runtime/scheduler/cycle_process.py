@@ -37,6 +37,7 @@ from runtime.scheduler.realtime import prepare_realtime
 from runtime.scheduler.retained import RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
+_OTHERS_LIMIT = 30.0  # s until the other processes must be up
 _STOP_LIMIT = 10.0  # s that axes and spindles get to come to rest
 _COMPARE_AFTER = 20  # cycles until every drive has told where it is
 _MOVED = 1.0  # mm or degrees
@@ -89,6 +90,7 @@ class CycleProcess:
 
     def run(self) -> int:
         """Boot the bus, then cycle until asked to stop; the exit code."""
+        self._wait_for_the_others()
         self.drives.start()
         machine = self.machine
         for problem in prepare_realtime(machine.cycle.priority, machine.cycle.cpu):
@@ -123,6 +125,12 @@ class CycleProcess:
                 break
         self.drives.stop()
         return 0
+
+    def _wait_for_the_others(self) -> None:
+        """Processes that start take the processor for some time: not while nodes watch our heartbeat."""
+        end = time.monotonic() + _OTHERS_LIMIT
+        while not self.memory.hli.platform.service_ready_w and not self._stop_reason and time.monotonic() < end:
+            time.sleep(0.01)
 
     def _fail(self, clock: RealTimeClock) -> int:
         """An error of the runtime itself: drives brake by their own ramp; then end, so that the service starts anew."""

@@ -13,6 +13,7 @@ logged on;
 from __future__ import annotations
 
 import argparse
+import contextlib
 import ctypes
 import os
 import select
@@ -28,8 +29,10 @@ from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.host import PlcHost
 from runtime.scheduler.plc_program import load_host
+from runtime.scheduler.realtime import RefusedError, set_priority
 
 EXIT_LOAD, EXIT_RAISED, EXIT_NO_HLI, EXIT_CONFIGURATION = 3, 4, 5, 6
+PLC_BELOW = 10  # priorities below the cycle
 PATIENCE_MS = 200  # without a wake-up: look whether the runtime still lives
 PR_SET_PDEATHSIG = 1
 
@@ -54,7 +57,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             host.start(int(memory.hli.head.time_ns_r))
         except PlcFailure as failure:
             return _complain(EXIT_LOAD, failure.problem.explained(), failure.trace)
-        # here the process becomes a real-time process: everything is loaded, nothing has run yet
+        with contextlib.suppress(RefusedError):  # the cycle process has told that the host refuses it
+            set_priority(max(machine.cycle.priority - PLC_BELOW, 1))
         try:
             _run(host, memory, options.wake_fd, stop)
         except PlcFailure as failure:

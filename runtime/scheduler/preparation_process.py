@@ -42,6 +42,7 @@ def main() -> None:
     queue = MotionQueue(n_axes, names.queue(arguments.name, arguments.channel), create=False)
     link = PreparationLink(n_axes, names.link(arguments.name, arguments.channel), create=False)
     preparation = Preparation(machine, arguments.channel, queue, link, dialect=arguments.dialect)
+    link.announce()
     while not stopping:
         state = preparation.poll()
         if state is not PumpState.MORE:

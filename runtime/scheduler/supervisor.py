@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.loader import DEMO_MACHINE
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
@@ -25,7 +26,7 @@ from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.errors import HliError
 from runtime.hli.memory import HliMemory
-from runtime.monitoring.metrics import MetricsCollector, MetricsServer, start_metrics_server
+from runtime.monitoring.endpoint import MachineCollector, MetricsServer, start_metrics_server
 from runtime.scheduler import names
 from runtime.scheduler.alarms import AlarmList, history
 from runtime.scheduler.children import Child
@@ -68,8 +69,9 @@ class Supervisor:
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
         self._events: EventRing | None = None
         self.statistics: CycleStatistics | None = None
+        self._link: PreparationLink | None = None
         self._metrics: MetricsServer | None = None
-        self._collector: MetricsCollector | None = None
+        self._collector: MachineCollector | None = None
         self._retain_at = 0.0
         self._cycle_before = -1
         self._plc_restarts = 0
@@ -113,38 +115,58 @@ class Supervisor:
         if self.options.simulated_drives:
             self.drives.start()
         self.cycle.start()
-        self._attach()
+        self._wait_for_cycle(self._attach)
         self.preparation.start()
         if self.machine.plc.program:
             self.plc.start()
+        self._wait_for_cycle(self._others_up)
+        assert self.memory is not None
+        self.memory.hli.platform.service_ready_w = True
+        self._wait_for_cycle(lambda: bool(self.memory and self.memory.hli.head.running_r))
         self._start_metrics()
         self._notifier.ready(f"{self.machine.name} runs")
 
-    def _attach(self) -> None:
+    def _wait_for_cycle(self, condition: Callable[[], bool]) -> None:
         end = time.monotonic() + _BOOT_LIMIT
-        while True:
+        while not condition():
             if not self.cycle.running:
+                self._drain_events()
                 raise SupervisorError(alarms.CYCLE_NOT_STARTED, reason=self.cycle.end())
             if time.monotonic() > end:
                 raise SupervisorError(alarms.CYCLE_NOT_STARTED, reason=f"not ready after {_BOOT_LIMIT:.0f} s")
-            try:
-                memory = HliMemory.attach(self.options.name)
-            except HliError:
-                time.sleep(0.05)
-                continue
-            if memory.hli.head.owner_pid_r == self.cycle.pid and memory.hli.head.running_r:
-                break
+            time.sleep(0.02)
+
+    def _attach(self) -> bool:
+        """Attach to the shared memories, once the cycle process has made them."""
+        try:
+            memory = HliMemory.attach(self.options.name)
+        except HliError:
+            return False
+        if memory.hli.head.owner_pid_r != self.cycle.pid:
             memory.close()
-            time.sleep(0.05)
+            return False
         self.memory = memory
-        self._events = EventRing(names.events(self.options.name), create=False)
-        self.statistics = CycleStatistics(names.statistics(self.options.name), create=False)
+        try:
+            self._events = EventRing(names.events(self.options.name), create=False)
+            self.statistics = CycleStatistics(names.statistics(self.options.name), create=False)
+            n_axes = len(self.machine.channels[0].axes)
+            self._link = PreparationLink(n_axes, names.link(self.options.name, 0), create=False)
+        except (FileNotFoundError, ValueError):  # the HLI is made first, the others follow
+            return False
+        return True
+
+    def _others_up(self) -> bool:
+        """Preparation and PLC have loaded everything, or have failed to."""
+        assert self.memory is not None
+        assert self._link is not None
+        plc = not self.machine.plc.program or not self.plc.running or bool(self.memory.hli.platform.plc_present_w)
+        return plc and (self._link.ready or not self.preparation.running)
 
     def _start_metrics(self) -> None:
         settings = self.machine.metrics
-        if not settings.enabled or self.memory is None:
+        if not settings.enabled or self.memory is None or self.statistics is None:
             return
-        self._collector = MetricsCollector(self.memory.hli, self.machine, self.statistics)
+        self._collector = MachineCollector(self.memory.hli, self.statistics)
         try:
             self._metrics = start_metrics_server(settings.host, settings.port, self._collector)
         except TandemError as error:  # the machine runs without being watched, and says so
@@ -182,8 +204,8 @@ class Supervisor:
         for event in self._events.take():
             error = event.kind is EventKind.ERROR
             write_event(self.journal, event, self._axis_names, Severity(int(event.value)) if error else Severity.ERROR)
-            if self._collector is not None:
-                self._collector.count(event)
+            if error and self._collector is not None:
+                self._collector.observe()
             if self.on_event is not None:
                 self.on_event(event)
 
@@ -259,7 +281,7 @@ class Supervisor:
             child.terminate(2.0)
         if self._metrics is not None:
             self._metrics.close()
-        for resource in (self._events, self.statistics):
+        for resource in (self._events, self.statistics, self._link):
             if resource is not None:
                 resource.close()
         if self.memory is not None:

@@ -6,6 +6,7 @@ python -m runtime.fieldbus.simulator --machine FILE [--state FILE] [--exit-with-
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import signal
 import sys
@@ -74,6 +75,8 @@ def main(arguments: list[str] | None = None) -> int:
         return ended or (options.exit_with_parent and os.getppid() != parent)
 
     nodes = SimulatedNodes(machine, bus, encoders=encoders)
+    with contextlib.suppress(OSError):  # real drives have processors of their own
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(max(machine.cycle.priority - 5, 1)))
     try:
         serve(nodes, bus, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period))
     except (can.CanError, OSError) as error:
