@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.diagnostics.memory import open_shared, remove_shared
+from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
 CAPACITY = 16384  # some 6 MB; 16 m of path in segments of 1 mm, 1.6 m in segments of 0.1 mm
 MAX_AXES = 8  # config.machine: axes of a channel
@@ -180,5 +180,4 @@ class MotionQueue:
         if unlink:
             remove_shared(memory)
         else:
-            with contextlib.suppress(BufferError):
-                memory.close()
+            release_shared(memory)

@@ -17,7 +17,7 @@ from multiprocessing import shared_memory
 import numpy as np
 import numpy.typing as npt
 
-from runtime.diagnostics.memory import open_shared, remove_shared
+from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
 AXES = 8
 TEXT = 400
@@ -158,4 +158,4 @@ class PreparationLink:
         if unlink:
             remove_shared(memory)
         else:
-            memory.close()
+            release_shared(memory)

@@ -12,7 +12,7 @@ from multiprocessing import shared_memory
 
 import numpy as np
 
-from runtime.diagnostics.memory import open_shared, remove_shared
+from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
 CAPACITY = 8192
 
@@ -148,4 +148,4 @@ class EventRing:
         if unlink:
             remove_shared(memory)
         else:
-            memory.close()
+            release_shared(memory)

@@ -26,14 +26,6 @@ def open_shared(name: str, size: int | None) -> shared_memory.SharedMemory:
     return memory
 
 
-def remove_shared(memory: shared_memory.SharedMemory) -> None:
-    """Close and remove shared memory that `open_shared` made."""
-    memory.close()
-    with contextlib.suppress(FileNotFoundError):
-        resource_tracker.register(memory._name, "shared_memory")  # type: ignore[attr-defined]  # unlink forgets it again
-        memory.unlink()
-
-
 def release_shared(memory: shared_memory.SharedMemory) -> None:
     """Close shared memory; where views of it are still in use, the mapping goes when the last of them does.
 
@@ -46,3 +38,11 @@ def release_shared(memory: shared_memory.SharedMemory) -> None:
         memory._fd = -1  # type: ignore[attr-defined]
         memory._buf = None  # type: ignore[attr-defined]
         memory._mmap = None  # type: ignore[attr-defined]
+
+
+def remove_shared(memory: shared_memory.SharedMemory) -> None:
+    """Close and remove shared memory that `open_shared` made."""
+    release_shared(memory)
+    with contextlib.suppress(FileNotFoundError):
+        resource_tracker.register(memory._name, "shared_memory")  # type: ignore[attr-defined]  # unlink forgets it again
+        memory.unlink()
