@@ -46,7 +46,20 @@ _ACK = {
     Technology.S: EventKind.S_ACK,
     Technology.T: EventKind.T_ACK,
 }
-_WAITING = Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS
+_WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
+# plain numbers: flags of the enum class are slow to combine in every cycle
+_NONE = int(StopCondition.NONE)
+_FEED_HOLD = int(StopCondition.FEED_HOLD)
+_OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
+_WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
+_WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
+_DWELL = int(StopCondition.DWELL)
+_WAIT_SPINDLE = int(StopCondition.WAIT_SPINDLE)
+_SINGLE_BLOCK = int(StopCondition.SINGLE_BLOCK)
+_NO_BLOCKS = int(StopCondition.NO_BLOCKS)
+_AXIS_NOT_READY = int(StopCondition.AXIS_NOT_READY)
+_ERROR = int(StopCondition.ERROR)
+_TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
 
 
 class Phase(Enum):
@@ -107,7 +120,7 @@ class Channel:
         self.phase = Phase.IDLE
         self.program = ""
         self.error: ErrorEntry | None = None  # keeps the channel from starting until it is reset
-        self.stop_condition = StopCondition.NONE
+        self.stop_condition = _NONE  # StopCondition
         self.program_ended = True
         self.trace_blocks = False  # every block start and end as an event
         self.block_counter = 0
@@ -119,6 +132,8 @@ class Channel:
         self._continue_was = False
         self._told_failure = False
         self._traced_index = -1
+        self._gate_index = -1
+        self._gate_record: QueueRecord | None = None
         self._time = 0.0
         self._cycle = 0
 
@@ -190,7 +205,7 @@ class Channel:
     @property
     def held(self) -> bool:
         """Feed hold is on and the path stands."""
-        return bool(self.stop_condition & StopCondition.FEED_HOLD) and self.interpolator.standstill
+        return bool(self.stop_condition & _FEED_HOLD) and self.interpolator.standstill
 
     @property
     def waiting_functions(self) -> int:
@@ -218,19 +233,19 @@ class Channel:
             self._cleared()
         self._acknowledge(speeds)
         if self.phase not in (Phase.RUNNING, Phase.ABORTING):
-            self.stop_condition = StopCondition.ERROR if self.error else StopCondition.NONE
+            self.stop_condition = _ERROR if self.error else _NONE
             return
         self._put_out_overflow()
-        stop = StopCondition.NONE
+        stop = _NONE
         if inputs.feed_hold:
-            stop |= StopCondition.FEED_HOLD
+            stop |= _FEED_HOLD
         if not axes_ready:
-            stop |= StopCondition.AXIS_NOT_READY
+            stop |= _AXIS_NOT_READY
         if self._overflow:
-            stop |= StopCondition.TECHNOLOGY_FULL
+            stop |= _TECHNOLOGY_FULL
         if inputs.override == 0.0:
-            stop |= StopCondition.OVERRIDE_ZERO
-        held = stop & ~StopCondition.OVERRIDE_ZERO != StopCondition.NONE
+            stop |= _OVERRIDE_ZERO
+        held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
         for index in path.passed:
@@ -243,17 +258,17 @@ class Channel:
         elif self.phase is Phase.RUNNING and path.starved:
             stop |= self._out_of_blocks()
         if stop != self.stop_condition:
-            standing = stop & ~StopCondition.OVERRIDE_ZERO
+            standing = stop & ~_OVERRIDE_ZERO
             kind = EventKind.STOP if standing else EventKind.GO
-            self._event(kind, path.line, self._n, number=int(stop))
+            self._event(kind, path.line, self._n, number=stop)
             self.stop_condition = stop
 
-    def _out_of_blocks(self) -> StopCondition:
+    def _out_of_blocks(self) -> int:
         """Nothing more is known: the preparation is behind, or it has failed and this is as far as the program goes."""
         self._tell_failure()
         if self.link.state is PreparationState.FAILED and self.interpolator.standstill and not self.waiting_functions:
             self._clear()
-        return StopCondition.NO_BLOCKS
+        return _NO_BLOCKS
 
     def _tell_failure(self) -> None:
         if self.link.state is PreparationState.FAILED and not self._told_failure:
@@ -276,55 +291,59 @@ class Channel:
 
     # ------------------------------------------------------------------ gates
 
-    def _gate(self, inputs: ChannelInputs, pressed: bool) -> StopCondition:
+    def _gate(self, inputs: ChannelInputs, pressed: bool) -> int:
         """Open the next gate if its reason is gone; tells what the path waits for."""
         path = self.interpolator
         if path.gate < 0:
-            return StopCondition.NONE
-        gate = read_record(self.queue, path.gate)
+            return _NONE
+        if path.gate != self._gate_index:
+            self._gate_index = path.gate
+            self._gate_record = read_record(self.queue, path.gate)
+        gate = self._gate_record
+        assert gate is not None
         if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
             if not path.at_gate:
-                return StopCondition.NONE
+                return _NONE
             if pressed:
                 path.open_gate()
-                return StopCondition.NONE
-            return StopCondition.SINGLE_BLOCK | StopCondition.WAIT_CONTINUE
+                return _NONE
+            return _SINGLE_BLOCK | _WAIT_CONTINUE
         if gate.reason is GateReason.WAIT:
             if not path.functions_before_gate and not self.waiting_functions:
                 path.open_gate()
-                return StopCondition.NONE
+                return _NONE
             if not path.at_gate:
-                return StopCondition.NONE
+                return _NONE
             spindle = all(waiting.sent is None or waiting.sent.done for waiting in self._waiting)
-            return StopCondition.WAIT_SPINDLE if spindle else StopCondition.WAIT_TECHNOLOGY
+            return _WAIT_SPINDLE if spindle else _WAIT_TECHNOLOGY
         if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
             path.open_gate()
-            return StopCondition.NONE
+            return _NONE
         if not path.at_gate:
-            return StopCondition.NONE
+            return _NONE
         if gate.reason is GateReason.DWELL:
             return self._dwell(gate.seconds)
         if gate.reason is GateReason.PROGRAM_END:
             if self.waiting_functions:
-                return StopCondition.WAIT_TECHNOLOGY
+                return _WAIT_TECHNOLOGY
             self._event(EventKind.BLOCK_END, gate.line, gate.n)
             path.open_gate()
             self._clear()
-            return StopCondition.NONE
+            return _NONE
         if pressed:
             path.open_gate()
-            return StopCondition.NONE
-        return StopCondition.WAIT_CONTINUE
+            return _NONE
+        return _WAIT_CONTINUE
 
-    def _dwell(self, seconds: float) -> StopCondition:
+    def _dwell(self, seconds: float) -> int:
         if self._dwell_left < 0.0:
             self._dwell_left = seconds
         self._dwell_left -= self.period
         if self._dwell_left > 0.5 * self.period:
-            return StopCondition.DWELL
+            return _DWELL
         self._dwell_left = -1.0
         self.interpolator.open_gate()
-        return StopCondition.NONE
+        return _NONE
 
     # ------------------------------------------------------------------ technology functions
 
@@ -341,7 +360,7 @@ class Channel:
 
     def _put_out(self, record: QueueRecord) -> bool:
         """Hand a function to the PLC and to the spindle it concerns; FALSE if there is no free unit."""
-        kind, waits = record.technology, bool(record.synch & _WAITING)
+        kind, waits = record.technology, bool(int(record.synch) & _WAITING)
         spindle = self.spindles[record.spindle] if record.spindle >= 0 else None
         sent: Sent | None = None
         if spindle is None or record.synch & Synch.PLC_INFO:

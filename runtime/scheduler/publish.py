@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from runtime.cnc.axes.supervision import AxisSupervision
 from runtime.cnc.channel import Channel
 from runtime.cnc.preparation_link import PreparationState
@@ -14,6 +16,13 @@ from runtime.hli.units import INT32
 LENGTH = 1e4  # 0.1 µm per mm, 0.0001 degrees per degree
 SPEED = 1e3  # µm/s per mm/s, 0.001 degrees/s per degree/s
 _AXIS_TYPE = {AxisType.LINEAR: 1, AxisType.ROTARY: 2, AxisType.SPINDLE: 4}
+_WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
+_WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
+_DWELL = int(StopCondition.DWELL)
+_FEED_HOLD = int(StopCondition.FEED_HOLD)
+_AXIS_READY, _AXIS_ACTIVE = int(AxisState.READY), int(AxisState.ACTIVE)
+_AXIS_HOLD, _AXIS_ERROR = int(AxisState.HOLD), int(AxisState.ERROR)
+_ENABLED, _READY = int(DriveState.OPERATION_ENABLED), int(DriveState.READY_TO_SWITCH_ON)
 _CANOPEN = 8
 _SIMULATION = 4
 
@@ -30,7 +39,12 @@ class Publisher:
         self._channel = channel
         self._status = hli.channels[0].status
         self._axes = [hli.axes[i] for i in range(len(machine.axes))]
+        self._axis_areas = [area.status for area in self._axes]
         self._spindles = [(spindle, hli.axes[spindle.index].spindle) for spindle in channel.spindles]
+        self._digital_in = np.frombuffer(hli.image.digital_in_r, dtype=np.uint8)
+        self._digital_out = np.frombuffer(hli.image.digital_out_w, dtype=np.uint8)
+        self._analogue_in = np.frombuffer(hli.image.analogue_in_r)
+        self._analogue_out = np.frombuffer(hli.image.analogue_out_w)
         described = machine.channels[0]
         head = hli.head
         head.channels_r = 1
@@ -50,15 +64,13 @@ class Publisher:
 
     def inputs(self) -> None:
         """Start of the cycle: the machine's inputs, for the PLC."""
-        image, area = self._image, self._hli.image
-        area.digital_in_r[:] = image.digital_in.tolist()
-        area.analogue_in_r[:] = image.analogue_in.tolist()
+        self._digital_in[:] = self._image.digital_in
+        self._analogue_in[:] = self._image.analogue_in
 
     def outputs(self) -> None:
         """The PLC's outputs, for the bus."""
-        image, area = self._image, self._hli.image
-        image.digital_out[:] = area.digital_out_w
-        image.analogue_out[:] = area.analogue_out_w
+        self._image.digital_out[:] = self._digital_out
+        self._image.analogue_out[:] = self._analogue_out
 
     def program(self, name: str) -> None:
         """A program starts."""
@@ -78,13 +90,13 @@ class Publisher:
         status.command_feed_r = int(min(channel.programmed_feed * SPEED, INT32))
         status.covered_distance_r = int(path.covered * 1000.0)
         status.decoder_program_end_r = channel.link.state is not PreparationState.RUNNING
-        status.stop_condition_r = int(stop)
+        status.stop_condition_r = stop
         status.interpolation_active_r = channel.active and not path.standstill
         status.program_end_r = channel.program_ended
-        status.wait_techno_acknowledge_r = bool(stop & StopCondition.WAIT_TECHNOLOGY)
-        status.wait_continue_r = bool(stop & StopCondition.WAIT_CONTINUE)
+        status.wait_techno_acknowledge_r = bool(stop & _WAIT_TECHNOLOGY)
+        status.wait_continue_r = bool(stop & _WAIT_CONTINUE)
         status.wait_error_removal_r = channel.error is not None
-        status.dwell_time_active_r = bool(stop & StopCondition.DWELL)
+        status.dwell_time_active_r = bool(stop & _DWELL)
         status.prepared_blocks_r = channel.queue.capacity - channel.queue.free
         status.waiting_functions_r = channel.waiting_functions
         status.error_id_r = channel.error.id if channel.error else 0
@@ -105,36 +117,37 @@ class Publisher:
 
     def _axis_status(self, active: bool) -> None:
         image, supervision = self._image, self._supervision
-        target = image.target_position.tolist()
-        actual = image.actual_position.tolist()
-        velocity = image.actual_velocity.tolist()
-        lag = supervision.lag.tolist()
-        states = image.state.tolist()
-        faults = supervision.faults.tolist()
-        codes = image.fault_code.tolist()
-        in_position = supervision.in_position.tolist()
-        held = bool(self._channel.stop_condition & StopCondition.FEED_HOLD)
+        held = bool(self._channel.stop_condition & _FEED_HOLD)
         all_in_position = True
-        for i, area in enumerate(self._axes):
-            enabled = states[i] == DriveState.OPERATION_ENABLED
-            status = area.status
-            status.command_position_r = int(target[i] * LENGTH)
-            status.actual_position_r = int(actual[i] * LENGTH)
-            status.position_lag_r = int(lag[i] * LENGTH)
-            status.actual_velocity_r = int(velocity[i] * SPEED)
-            status.drive_state_r = states[i]
-            status.fault_code_r = codes[i]
-            status.ready_for_power_on_r = states[i] >= DriveState.READY_TO_SWITCH_ON and states[i] <= 5
+        for area, status, command, actual, velocity, lag, state, fault, code, in_position in zip(
+            self._axes,
+            self._axis_areas,
+            (image.target_position * LENGTH).tolist(),
+            (image.actual_position * LENGTH).tolist(),
+            (image.actual_velocity * SPEED).tolist(),
+            (supervision.lag * LENGTH).tolist(),
+            image.state.tolist(),
+            supervision.faults.tolist(),
+            image.fault_code.tolist(),
+            supervision.in_position.tolist(),
+            strict=True,
+        ):
+            enabled = state == _ENABLED
+            status.command_position_r = int(command)
+            status.actual_position_r = int(actual)
+            status.position_lag_r = int(lag)
+            status.actual_velocity_r = int(velocity)
+            status.drive_state_r = state
+            status.fault_code_r = code
+            status.ready_for_power_on_r = _READY <= state <= _ENABLED
             status.ready_for_control_loop_on_r = enabled
-            status.in_position_r = in_position[i]
-            all_in_position = all_in_position and in_position[i]
-            if faults[i]:
-                status.axis_state_r = AxisState.ERROR
-            elif not enabled or held:
-                status.axis_state_r = AxisState.HOLD
+            status.in_position_r = in_position
+            all_in_position = all_in_position and in_position
+            if fault:
+                status.axis_state_r = _AXIS_ERROR
+            elif held or not enabled:
+                status.axis_state_r = _AXIS_HOLD
             else:
-                status.axis_state_r = AxisState.ACTIVE if active else AxisState.READY
-            area.error_r = faults[i] != 0
+                status.axis_state_r = _AXIS_ACTIVE if active else _AXIS_READY
+            area.error_r = fault != 0
         self._status.axes_in_position_r = all_in_position
-
-

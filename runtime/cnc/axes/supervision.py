@@ -39,19 +39,27 @@ def _supervise(
     actual: Floats,
     state: States,
     wanted: Flags,
+    enable: Flags,
     was_enabled: Flags,
     linear: Flags,
     lag_limit: Floats,
-    faults: npt.NDArray[np.int8],
+    resetting: bool,
+    faults: States,
     lag: Floats,
+    new: States,
 ) -> int:
-    """Fill `lag` and `faults` (0 or FAULT_*), keep `was_enabled`; returns the number of axes with a new fault."""
-    new = 0
+    """Fill `lag`, `faults` (0 or FAULT_*) and `enable`, let axes that are not enabled track, keep `was_enabled`.
+
+    Returns how many axes have a new fault; `new` tells which. While `resetting` nothing is a fault.
+    """
+    count = 0
     for i in range(target.shape[0]):
         enabled = state[i] == 5  # OPERATION_ENABLED
         lag[i] = target[i] - actual[i] if linear[i] and enabled else 0.0
         found = 0
-        if state[i] == 0 and wanted[i]:
+        if resetting:
+            faults[i] = 0
+        elif state[i] == 0 and wanted[i]:
             found = FAULT_OFFLINE
         elif state[i] >= 7:
             found = FAULT_DRIVE
@@ -59,27 +67,22 @@ def _supervise(
             found = FAULT_DROPPED
         elif abs(lag[i]) > lag_limit[i]:
             found = FAULT_LAG
+        new[i] = 0
         if found != 0 and faults[i] == 0:
             faults[i] = found
-            new += 1
+            new[i] = 1
+            count += 1
         was_enabled[i] = enabled
-    return new
+        enable[i] = wanted[i] and faults[i] == 0
+        if not enabled:
+            target[i] = actual[i]
+    return count
 
 
 @warms("axis monitoring")
 def _warm() -> None:
-    n = 1
-    _supervise(
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n, dtype=np.int8),
-        np.zeros(n, dtype=np.bool_),
-        np.zeros(n, dtype=np.bool_),
-        np.zeros(n, dtype=np.bool_),
-        np.ones(n),
-        np.zeros(n, dtype=np.int8),
-        np.zeros(n),
-    )
+    floats, flags, states = np.ones(1), np.zeros(1, dtype=np.bool_), np.zeros(1, dtype=np.int8)
+    _supervise(floats, floats, states, flags, flags, flags, flags, floats, False, states, floats, states)
 
 
 class AxisSupervision:
@@ -94,6 +97,7 @@ class AxisSupervision:
         self._lag_limit: Floats = np.array([axis.following_error for axis in machine.axes])
         self._window: Floats = np.array([axis.in_position for axis in machine.axes])
         self._was_enabled: Flags = np.zeros(n, dtype=np.bool_)
+        self._new: States = np.zeros(n, dtype=np.int8)
         self._resetting = 0
 
     @property
@@ -112,31 +116,29 @@ class AxisSupervision:
         `wanted` (n,): the drives that shall be on. An axis in fault is not enabled until it is reset.
         """
         image = self.image
-        before = self.faults.copy()
-        new = _supervise(
+        resetting = self._resetting > 0
+        if resetting:
+            self._resetting -= 1
+            if self._resetting == 0:
+                image.reset_fault[:] = False
+        count = _supervise(
             image.target_position,
             image.actual_position,
             image.state,
             wanted,
+            image.enable,
             self._was_enabled,
             self._linear,
             self._lag_limit,
+            resetting,
             self.faults,
             self.lag,
+            self._new,
         )
-        if self._resetting:
-            self._resetting -= 1
-            if self._resetting == 0:
-                image.reset_fault[:] = False
-            self.faults[:] = 0  # judged anew when the reset has had its time
-            new = 0
-        np.logical_and(wanted, self.faults == 0, out=image.enable)
-        tracking = image.state != DriveState.OPERATION_ENABLED
-        image.target_position[tracking] = image.actual_position[tracking]
-        if not new:
+        if not count:
             return []
         found = []
-        for i in np.flatnonzero((before == 0) & (self.faults != 0)):
+        for i in np.flatnonzero(self._new):
             kind = int(self.faults[i])
             found.append(AxisFault(int(i), kind, float(self.lag[i] if kind == FAULT_LAG else image.fault_code[i])))
         return found
