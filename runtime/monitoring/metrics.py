@@ -1,8 +1,8 @@
 """Which figures of a running machine are metrics, and how each is read from the interface memory: the one table.
 
 Names and units follow the Prometheus conventions: base units (seconds, meters, ratios of 0 to 1), `_total` for what
-only grows. Linear axes are in meters, axes that turn in degrees, under different names, so that no series mixes units. A
-state is a gauge per possible state, 1 for the one that holds.
+only grows. Linear axes are in meters, axes that turn in degrees, under different names, so that no series mixes units.
+A state is a gauge per possible state, 1 for the one that holds.
 """
 
 from __future__ import annotations
