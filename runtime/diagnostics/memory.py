@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from multiprocessing import resource_tracker, shared_memory
 
 
@@ -31,3 +32,17 @@ def remove_shared(memory: shared_memory.SharedMemory) -> None:
     with contextlib.suppress(FileNotFoundError):
         resource_tracker.register(memory._name, "shared_memory")  # type: ignore[attr-defined]  # unlink forgets it again
         memory.unlink()
+
+
+def release_shared(memory: shared_memory.SharedMemory) -> None:
+    """Close shared memory; where views of it are still in use, the mapping goes when the last of them does.
+
+    `close()` alone refuses then, and complains again when the object is deleted.
+    """
+    try:
+        memory.close()
+    except BufferError:
+        os.close(memory._fd)  # type: ignore[attr-defined]
+        memory._fd = -1  # type: ignore[attr-defined]
+        memory._buf = None  # type: ignore[attr-defined]
+        memory._mmap = None  # type: ignore[attr-defined]

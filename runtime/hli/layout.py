@@ -1,11 +1,12 @@
 """The layout of the High-Level Interface: one tree of ctypes structures over shared memory.
 
-Every element has one writer, told by its suffix: `_r` the CNC writes and the PLC reads, `_w` the PLC writes, `_rw` a flag
-that both hand to and fro. A flag is always the last store of a write and the last store of taking. Only elementary
-aligned items may be read without a flag; text is guarded by one, or changes only while nothing runs.
+Every element has one writer, told by its suffix: `_r` the CNC writes and the PLC reads, `_w` the PLC writes, `_rw` a
+flag that both hand to and fro. In the operator area the operator's process stands in the PLC's place: there `_w` is
+the operator's. A flag is always the last store of a write and the last store of taking. Only elementary aligned items
+may be read without a flag; text is guarded by one, or changes only while nothing runs.
 
-Units: lengths 0.1 µm, angles 0.0001 degrees, speeds 1 µm/s or 0.001 degrees/s, shares 0.1 %, times µs: the interface's own
-whole numbers. `runtime.hli.client` and the PLC library convert to mm, degrees and seconds, once.
+Units: lengths 0.1 µm, angles 0.0001 degrees, speeds 1 µm/s or 0.001 degrees/s, shares 0.1 %, times µs: the
+interface's own whole numbers. `runtime.hli.client` and the PLC library convert to mm, degrees and seconds, once.
 
 Adding an element here is all it takes: hash, C header and `tandem hli` follow from these classes.
 """
@@ -24,7 +25,9 @@ IMAGE_BYTES = 64
 IMAGE_ANALOGUE = 32
 NAME = 32
 TEXT = 240
+LONG_TEXT = 1000
 MAGIC = 0x314D444E4154  # "TANDM1"
+VERSION = "1.0"  # of the layout; its hash tells every other difference
 
 
 class Mode(IntEnum):
@@ -121,6 +124,35 @@ class ModeStateUnit(c.Structure):
     ]
 
 
+class LcUnit(c.Structure):
+    """The CNC wants something of the PLC: it lowers done_w and raises please_rw; the PLC lowers please_rw and raises
+    done_w."""
+
+    _fields_ = [("please_rw", c.c_bool), ("done_w", c.c_bool)]
+
+
+class OperatorUnit(c.Structure):
+    """What the operator asks of a channel; `_w` is the operator's, who may be another process (`tandem hli command`).
+
+    The order of the mode unit is guarded by `order_semaphor_rw`: the operator raises it, the CNC answers and lowers it.
+    `answer_r` is 0 when the order was taken (or handed to the PLC that claimed the unit), else the id of the refusal.
+    """
+
+    _fields_ = [
+        ("order_w", ModeState),
+        ("order_semaphor_rw", c.c_bool),
+        ("answer_r", c.c_uint32),
+        ("answer_text_r", c.c_char * TEXT),
+        ("override_w", c.c_uint32),  # 0.1 %
+        ("program_block_ignore_w", c.c_uint32),
+        ("feedhold_w", c.c_bool),
+        ("single_block_w", c.c_bool),
+        ("optional_stop_w", c.c_bool),
+        ("continue_motion_rw", c.c_bool),  # the operator raises it, the CNC lowers it
+        ("reset_rw", c.c_bool),
+    ]
+
+
 # --------------------------------------------------------------------------------------------- technology
 
 
@@ -128,8 +160,10 @@ class TechnologyUnit(c.Structure):
     """One technology function on its way to the PLC.
 
     CNC: fills the data, lowers done_w, raises please_rw. PLC: copies, lowers please_rw (taken); raises done_w when the
-    action is finished (executed). `value` is the additional value of M and H; for S `position` and `revolutions` in 0.0001
-    degrees and 0.001 degrees/s; for T `number` is the tool.
+    action is finished (executed). Kinds without acknowledgement (MOS) end when they are taken: their done_w is left
+    alone. `value` is the additional value of M and H; for S `position` and `revolutions` in 0.0001 degrees and 0.001
+    degrees/s; for T `number` is the tool. `sequence_r` counts the functions of the area from 1: the order in which
+    they were put out.
     """
 
     _fields_ = [
@@ -171,13 +205,33 @@ class Head(c.Structure):
         ("layout_hash_r", c.c_char * 65),
         ("version_r", c.c_char * 16),
         ("size_r", c.c_uint32),
+        ("platform_size_r", c.c_uint32),
+        ("channel_size_r", c.c_uint32),
+        ("axis_size_r", c.c_uint32),
+        ("channel_capacity_r", c.c_uint16),
+        ("axis_capacity_r", c.c_uint16),
         ("owner_pid_r", c.c_uint32),
+        ("machine_name_r", c.c_char * NAME),
         ("cycle_time_r", c.c_uint32),  # µs
         ("channels_r", c.c_uint16),
         ("axes_r", c.c_uint16),
         ("cycle_r", c.c_uint64),
         ("time_ns_r", c.c_uint64),  # the runtime's clock at the start of the cycle
         ("running_r", c.c_bool),  # the cycle runs; FALSE before start and after stop or crash
+    ]
+
+
+class PlcReport(c.Structure):
+    """An alarm of the PLC program on its way to the CNC: the PLC fills it and raises the flag, the CNC takes and
+    lowers it."""
+
+    _fields_ = [
+        ("id_w", c.c_uint32),
+        ("number_w", c.c_uint32),  # counts the PLC's alarms; coming and going of an alarm carry the same number
+        ("line_w", c.c_uint32),  # program line of the technology function it belongs to, 0 none
+        ("active_w", c.c_bool),  # TRUE comes, FALSE goes
+        ("text_w", c.c_char * TEXT),
+        ("semaphor_rw", c.c_bool),
     ]
 
 
@@ -199,6 +253,13 @@ class Platform(c.Structure):
         ("frames_sent_r", c.c_uint64),
         ("frames_received_r", c.c_uint64),
         ("reload_request_w", c.c_bool),
+        ("lc_error", PlcReport),
+        ("plc_error_id_w", c.c_uint32),  # why the PLC program stands, 0 it does not
+        ("plc_error_text_w", c.c_char * LONG_TEXT),
+        ("plc_error_count_w", c.c_uint64),  # written last
+        ("plc_restart_request_r", c.c_uint64),  # the CNC counts up: start the PLC program again
+        ("process_lost_w", c.c_uint64),  # the service process counts up, after the text
+        ("process_lost_text_w", c.c_char * TEXT),
     ]
 
 
@@ -273,6 +334,7 @@ class Channel(c.Structure):
         ("watchdog", Watchdog),
         ("control", ChannelControl),
         ("status", ChannelStatus),
+        ("lc_reset", LcUnit),  # the PLC forgets the technology functions of this area
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
     ]
@@ -337,6 +399,7 @@ class Axis(c.Structure):
         ("control", AxisControl),
         ("status", AxisStatus),
         ("spindle", SpindleStatus),
+        ("lc_reset", LcUnit),
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
     ]
@@ -361,6 +424,7 @@ class Hli(c.Structure):
         ("platform", Platform),
         ("channels", Channel * MAX_CHANNELS),
         ("axes", Axis * MAX_AXES),
+        ("operator", OperatorUnit * MAX_CHANNELS),
         ("image", ProcessImage),
         ("alarm_count_r", c.c_uint64),  # alarms since start; the newest stands at (alarm_count_r - 1) % ALARMS
         ("alarms", Alarm * ALARMS),

@@ -1,0 +1,29 @@
+"""What a PLC program imports: the base class, the handlers of technology functions, the blocks of IEC 61131-3."""
+
+from runtime.plc_logic.cycle_time import cycle_at
+from runtime.plc_logic.errors import PlcError, PlcFailure
+from runtime.plc_logic.function_blocks import CTD, CTU, CTUD, F_TRIG, R_TRIG, RS, SR, TOF, TON, TP
+from runtime.plc_logic.handlers import NcFunction, h_function, m_function, s_function, t_function
+from runtime.plc_logic.program import Program
+
+__all__ = [
+    "CTD",
+    "CTU",
+    "CTUD",
+    "F_TRIG",
+    "RS",
+    "R_TRIG",
+    "SR",
+    "TOF",
+    "TON",
+    "TP",
+    "NcFunction",
+    "PlcError",
+    "PlcFailure",
+    "Program",
+    "cycle_at",
+    "h_function",
+    "m_function",
+    "s_function",
+    "t_function",
+]

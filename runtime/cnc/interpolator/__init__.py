@@ -1,0 +1,5 @@
+"""Look-ahead, velocity profile and evaluation of the path, in the cycle."""
+
+from runtime.cnc.interpolator.interpolator import Interpolator
+
+__all__ = ["Interpolator"]

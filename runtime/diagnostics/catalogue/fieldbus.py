@@ -1,3 +1,203 @@
-"""Errors of the CANopen bus, its nodes and the CiA 402 drives."""
+"""Errors of the CANopen bus, its nodes and the CiA 402 drives.
+
+Entries from 303030 on happen while the machine runs: the cycle gets them as `DriveEvent`, and their text is filled
+with `owner` ("axis X" or "I/O node"), `node`, `code` and the code's `meaning` (runtime.fieldbus.events).
+"""
 
 from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
+
+# -- opening the bus -------------------------------------------------------------------------------------------------
+BUS_MISSING = ErrorEntry(
+    303001,
+    "CAN interface {channel} does not exist",
+    remedy="check fieldbus.bus.channel; `ip link show type can` lists the interfaces of this computer",
+)
+BUS_DOWN = ErrorEntry(
+    303002,
+    "CAN interface {channel} is down",
+    remedy="bring it up: ip link set {channel} up type can bitrate {bitrate}",
+)
+BUS_PERMISSION = ErrorEntry(
+    303003,
+    "no permission to open the {interface} bus {channel}",
+    remedy="SocketCAN needs CAP_NET_RAW in some containers; check the security settings of the service",
+)
+BUS_UNSUPPORTED = ErrorEntry(
+    303004,
+    "{interface} is not available on this computer: {reason}",
+    remedy="load the CAN modules of the kernel (modprobe can_raw), or choose another fieldbus.bus.interface",
+)
+BUS_NO_MULTICAST = ErrorEntry(
+    303005,
+    "multicast group {channel} cannot be reached: {reason}",
+    remedy="fieldbus.bus.channel must be a multicast address (224.0.0.0/4) and the computer needs a route to it: "
+    "ip route add 239.0.0.0/8 dev lo",
+)
+BUS_OPEN_FAILED = ErrorEntry(
+    303006,
+    "the {interface} bus {channel} cannot be opened: {reason}",
+    remedy="check fieldbus.bus in the machine description",
+)
+BUS_BAD_OPTION = ErrorEntry(
+    303007,
+    "the {interface} bus {channel} does not take the options {options}: {reason}",
+    remedy="fieldbus.bus.options goes to python-can as it is; see its documentation of the interface",
+)
+
+# -- what the machine description asks for, and cannot be ------------------------------------------------------------
+EDS_UNREADABLE = ErrorEntry(
+    303010,
+    "EDS file {file} of node {node} ({owner}) cannot be read: {reason}",
+    remedy="name the EDS file of the device in the machine description, or leave it out for a simulated one",
+)
+EDS_OBJECT_MISSING = ErrorEntry(
+    303011,
+    "the EDS of node {node} ({owner}) has no object {object}, which is needed for {purpose}",
+    remedy="use the EDS file that belongs to the device's firmware",
+)
+STARTUP_OBJECT = ErrorEntry(
+    303012,
+    "start-up write {object} = {value} of node {node} ({owner}) cannot be made: {reason}",
+    remedy='write the object as "0x6085" or "0x60C2:1", with a value that fits its type',
+)
+TOO_MANY_BITS = ErrorEntry(
+    303013,
+    "I/O node {node} has {bits} {direction}, {limit} fit",
+    remedy="divide them among several nodes",
+)
+CYCLE_NOT_REPRESENTABLE = ErrorEntry(
+    303014,
+    "a cycle of {period_us} µs cannot be given to the drives as interpolation period (1 to 255 times a power of ten)",
+    remedy="choose a cycle like 1 ms, 2 ms, 500 µs",
+)
+MASTER_NODE_TAKEN = ErrorEntry(
+    303015,
+    "node id {node} of the master is also that of {owner}",
+    remedy="give fieldbus.bus.master_node another id",
+)
+
+# -- boot ------------------------------------------------------------------------------------------------------------
+OTHER_MASTER = ErrorEntry(
+    303020,
+    "another CANopen master is active on the bus {channel}",
+    remedy="end the other one, or give this machine a bus of its own",
+)
+NODE_MISSING = ErrorEntry(
+    303021,
+    "no answer on the bus within {seconds:g} s from {nodes}",
+    remedy="check supply, cable, terminators, node id and bit rate of the named nodes",
+)
+WRONG_DEVICE_TYPE = ErrorEntry(
+    303022,
+    "node {node} ({owner}) is of device profile {actual}, expected is {expected}",
+    remedy="check node ids: a drive must be CiA 402, an I/O node CiA 401",
+)
+WRONG_VENDOR = ErrorEntry(
+    303023,
+    "node {node} ({owner}) is of vendor 0x{actual:X}, the machine description expects 0x{expected:X}",
+    remedy="check that the right device is connected, or correct vendor_id",
+)
+WRONG_PRODUCT = ErrorEntry(
+    303024,
+    "node {node} ({owner}) is product 0x{actual:X}, the machine description expects 0x{expected:X}",
+    remedy="check that the right device is connected, or correct product_code",
+)
+MODE_UNSUPPORTED = ErrorEntry(
+    303025,
+    "the drive of {owner}, node {node}, does not know the {mode} mode (object 0x6502 is 0x{supported:X})",
+    remedy="use a drive with cyclic synchronous modes",
+)
+SDO_ABORTED = ErrorEntry(
+    303026,
+    "node {node} ({owner}) refuses to {access} object {object}: {meaning} (0x{code:08X})",
+    remedy="check the EDS file and the start-up list of the node",
+)
+SDO_NO_ANSWER = ErrorEntry(
+    303027,
+    "node {node} ({owner}) does not answer when asked to {access} object {object}: {reason}",
+    remedy="the node booted, then fell silent: check its supply and the wiring",
+)
+NODE_NOT_OPERATIONAL = ErrorEntry(
+    303028,
+    "node {node} ({owner}) did not become operational, its NMT state is {state}",
+    remedy="look at the node's own diagnosis",
+)
+
+# -- in operation ----------------------------------------------------------------------------------------------------
+DRIVE_FAULT = ErrorEntry(
+    303030,
+    "the drive of {owner} (node {node}) is in fault: {meaning} (0x{code:04X})",
+    reaction=Reaction.QUICK_STOP,
+    remedy="remove the cause and acknowledge the fault (reset)",
+)
+EMERGENCY = ErrorEntry(
+    303031,
+    "node {node} ({owner}) reports: {meaning} (0x{code:04X})",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="the manual of the device explains the code",
+    source="CiA 301, EMCY",
+)
+HEARTBEAT_LOST = ErrorEntry(
+    303032,
+    "heartbeat of node {node} ({owner}) is lost",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="check supply and cable of the node, then restart the runtime",
+    source="CiA 301, heartbeat consumer",
+)
+NODE_RESTARTED = ErrorEntry(
+    303033,
+    "node {node} ({owner}) restarted by itself",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="check the supply of the node, then restart the runtime",
+)
+NODE_LEFT_OPERATIONAL = ErrorEntry(
+    303034,
+    "node {node} ({owner}) left the operational state, its NMT state is {meaning}",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="see the alarms before this one, then restart the runtime",
+)
+PROCESS_DATA_LOST = ErrorEntry(
+    303035,
+    "node {node} ({owner}) sends no process data any more",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="check the bus load and the node, then restart the runtime",
+)
+DRIVE_DISABLED = ErrorEntry(
+    303036,
+    "the drive of {owner} (node {node}) left the enabled state by itself, it is now in {meaning}",
+    reaction=Reaction.QUICK_STOP,
+    remedy="check safe torque off, limit switches and supply of the drive; withdraw the enable and give it again",
+)
+SETPOINT_INVALID = ErrorEntry(
+    303037,
+    "the set-point of {owner} (node {node}) is no finite number; the drive brakes by itself",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="this is a defect of the runtime: keep the flight recorder and report it",
+)
+BUS_GONE = ErrorEntry(
+    303040,
+    "the bus is gone: {meaning}",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="check the CAN adapter and the cable, then restart the runtime",
+)
+BUS_OFF = ErrorEntry(
+    303041,
+    "the CAN controller switched itself off the bus (bus off)",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="check terminators, cable and bit rate, then restart the runtime",
+)
+BUS_OVERLOADED = ErrorEntry(
+    303042,
+    "the frames of one cycle need {code} % of the bus",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="choose a longer cycle, or a higher bit rate",
+)

@@ -1,3 +1,266 @@
 """Errors of NC programs: reading, decoding, variables, subprograms."""
 
 from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
+
+# -- files and program structure -----------------------------------------------------------------------------------
+
+FILE_MISSING = ErrorEntry(300001, "program file {file} does not exist", remedy="check the name and the program paths")
+FILE_UNREADABLE = ErrorEntry(300002, "program file {file} cannot be read: {reason}", remedy="check its access rights")
+FILE_EMPTY = ErrorEntry(300003, "program {file} is empty", remedy="a program needs at least one block")
+FILE_BINARY = ErrorEntry(
+    300004,
+    "{file} is not a text file (byte 0x{byte:02X} at offset {offset})",
+    remedy="NC programs are ASCII text",
+)
+FILE_CHANGED = ErrorEntry(
+    300005,
+    "program file {file} was changed while it was being executed",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="start the program again",
+)
+MAIN_MISSING = ErrorEntry(
+    300006, "{file} holds no main program", remedy="add a main program: % and a name, behind the local subprograms"
+)
+DIALECT_UNSUPPORTED = ErrorEntry(
+    300007, "dialect {dialect} is not supported yet", remedy="programs can be written in: {supported}"
+)
+HEADER_INVALID = ErrorEntry(
+    300008, "{text!r} is not allowed behind the program name", remedy="only a comment may follow the name"
+)
+HEADER_NAME = ErrorEntry(300009, "%L needs the name of the local subprogram", remedy="write %L NAME")
+HEADER_LATE = ErrorEntry(
+    300010,
+    "definition of {name!r} behind the start of the main program",
+    remedy="local subprograms and the line % NAME stand before the first block of the main program",
+)
+LOCAL_TWICE = ErrorEntry(300011, "local subprogram {name!r} is defined twice, first in line {first}")
+LOCAL_MISSING = ErrorEntry(
+    300012,
+    "local subprogram {name!r} is not defined in this file",
+    remedy="define it with %L {name} before the main program, or call a file with L",
+)
+GLOBAL_MISSING = ErrorEntry(
+    300013,
+    "file of global subprogram {name!r} not found in: {paths}",
+    remedy="give the whole file name with extension, or add its folder to program_paths",
+)
+
+# -- characters and words ------------------------------------------------------------------------------------------
+
+BLOCK_TOO_LONG = ErrorEntry(
+    300020,
+    "block is longer than {limit} characters",
+    remedy="split it, or shorten its comments",
+    source="programming manual line 1121",
+)
+CHARACTER_INVALID = ErrorEntry(
+    300021, "character {character!r} is not allowed outside comments", remedy="NC programs are ASCII text"
+)
+SYNTAX = ErrorEntry(300022, "{found!r} is not understood here", remedy="check the spelling and the word before it")
+BRACKET_OPEN = ErrorEntry(300023, "'[' has no matching ']'", remedy="close the bracket in the same block")
+BRACKET_CLOSE = ErrorEntry(300024, "']' has no matching '['")
+COMMENT_OPEN = ErrorEntry(
+    300025,
+    "inner '(' of a comment has no matching ')'",
+    remedy="close the inner comment; only the outermost one may end with the line",
+)
+COMMENT_CLOSE = ErrorEntry(300026, "')' without '('", remedy="expressions are bracketed with [ and ]")
+VALUE_MISSING = ErrorEntry(300027, "{address} has no value", remedy="a number or an expression must follow")
+ADDRESS_UNKNOWN = ErrorEntry(
+    300028, "address {address!r} is not known", remedy="axes of this channel: {axes}; upper and lower case differ"
+)
+ADDRESS_UNSUPPORTED = ErrorEntry(300029, "address {address!r} is not supported yet")
+AXIS_UNKNOWN = ErrorEntry(
+    300030,
+    "axis {axis!r} is not an axis of this channel",
+    remedy="axes: {axes}; a blank separates a word from a following one with '='",
+)
+SPINDLE_UNKNOWN = ErrorEntry(
+    300031, "spindle {spindle!r} is not a spindle of this channel", remedy="spindles: {spindles}"
+)
+G_UNKNOWN = ErrorEntry(300032, "G{number} is not a G function")
+G_UNSUPPORTED = ErrorEntry(300033, "G{number} is not supported yet")
+G_GROUP_TWICE = ErrorEntry(
+    300034, "G{number} and G{other} exclude each other in a block ({group})", remedy="write one of them"
+)
+G_VALUE = ErrorEntry(300035, "G{number} takes no value with '='")
+G_VALUE_MISSING = ErrorEntry(300036, "G{number} needs a value: G{number}=..")
+WORD_TWICE = ErrorEntry(300037, "{address} stands twice in the block")
+NOT_ALONE = ErrorEntry(300038, "{word} must be alone in its block", remedy="only a block number may stand beside it")
+CONTROL_UNKNOWN = ErrorEntry(300039, "{statement} is not a control statement")
+CONTROL_PLACE = ErrorEntry(
+    300040, "{statement} must be the only statement of its block", remedy="only / and N may stand before it"
+)
+NOT_SUPPORTED = ErrorEntry(300041, "{what} is not supported yet")
+SKIP_LEVEL = ErrorEntry(300042, "skip level {level} does not exist", remedy="levels are 1 to 10")
+CONTROL_WITHOUT_START = ErrorEntry(300043, "{statement} without {start}")
+CONTROL_OPEN = ErrorEntry(300044, "{statement} is not closed by {end}", remedy="add {end}")
+CONTROL_DEPTH = ErrorEntry(300045, "control statements are nested deeper than {limit}")
+CONTROL_INCOMPLETE = ErrorEntry(
+    300046, "{statement} is incomplete", remedy="$FOR P1 = start, end, step; $IF and $WHILE take a condition"
+)
+
+# -- expressions ---------------------------------------------------------------------------------------------------
+
+NUMBER_RANGE = ErrorEntry(
+    300050,
+    "number {text} is outside the allowed range of ±{limit:.0f}",
+    source="programming manual line 1356",
+)
+LITERAL_BASE = ErrorEntry(
+    300051, "{text} is not a number", remedy="hexadecimal '16#1F' '0x1F' 'H1F', binary '2#101' 'B101', octal '8#17'"
+)
+EXPRESSION_DEPTH = ErrorEntry(300052, "expression is nested deeper than {limit} brackets", remedy="use P parameters")
+FUNCTION_UNKNOWN = ErrorEntry(300053, "function {function} is not known")
+FUNCTION_ARGUMENTS = ErrorEntry(300054, "{function} takes {expected} arguments, not {given}")
+DIVISION_BY_ZERO = ErrorEntry(300055, "division by zero", reaction=Reaction.STOP_AT_BLOCK_END)
+DOMAIN = ErrorEntry(
+    300056,
+    "{name} is not defined for {value:.9g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual lines 1458, 1551",
+)
+RESULT_RANGE = ErrorEntry(
+    300057, "result {value:.9g} of {name} is outside the allowed range", reaction=Reaction.STOP_AT_BLOCK_END
+)
+OPERAND_NEGATIVE = ErrorEntry(
+    300058,
+    "{name} allows no operand outside 0 to 4294967295, but got {value:.9g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual lines 1470, 1485",
+)
+PARAMETER_UNSET = ErrorEntry(
+    300059,
+    "{name} is read before it has a value",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="assign it first, or ask with EXIST[{name}]",
+)
+PARAMETER_INDEX = ErrorEntry(
+    300060,
+    "{value:.9g} is no number of a P parameter",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="numbers are integers from 1 on",
+    source="programming manual line 8105",
+)
+
+# -- M, H, S, T ----------------------------------------------------------------------------------------------------
+
+M_UNDEFINED = ErrorEntry(
+    300070, "M{number} is not configured", remedy="give m_synch[{number}] a synchronisation type", source="P-CHAN-00041"
+)
+H_UNDEFINED = ErrorEntry(
+    300071, "H{number} is not configured", remedy="give h_synch[{number}] a synchronisation type", source="P-CHAN-00027"
+)
+FUNCTION_NEGATIVE = ErrorEntry(300072, "number {value:.9g} of the {address} function is negative")
+SPINDLE_MISSING = ErrorEntry(
+    300073, "{word} needs a spindle, but the channel has none", remedy="configure spindel[0] of the channel"
+)
+VALUE_NOT_ALLOWED = ErrorEntry(300074, "M{number} takes no additional value", source="programming manual line 6823")
+SPINDLE_M_TWICE = ErrorEntry(300075, "M{number} and M{other} exclude each other in a block")
+SPEED_NEGATIVE = ErrorEntry(300076, "spindle speed {value:.9g} is negative", reaction=Reaction.STOP_AT_BLOCK_END)
+SYNCH_UNKNOWN = ErrorEntry(
+    300077, "{parameter}: {text!r} is not a synchronisation type", remedy="known are {known}, or a hexadecimal value"
+)
+SYNCH_UNSUPPORTED = ErrorEntry(
+    300078, "{parameter}: synchronisation type {text!r} is not supported yet", remedy="supported are {supported}"
+)
+SPINDLE_LOCKED = ErrorEntry(
+    300079, "{word} is locked by synchronisation type NOT_VALID", remedy="configure its synchronisation type"
+)
+
+# -- execution -----------------------------------------------------------------------------------------------------
+
+CALL_DEPTH = ErrorEntry(
+    300080,
+    "subprograms are nested deeper than {limit} levels (call of {name!r})",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="does a subprogram call itself without end?",
+    source="channel parameters line 7555",
+)
+ENDLESS_LOOP = ErrorEntry(
+    300081,
+    "{count} blocks were executed without motion or output: endless loop",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check the condition of the loop",
+)
+END_IN_SUBPROGRAM = ErrorEntry(
+    300082, "M{number} in subprogram {name!r} ends the whole program", Severity.WARNING, Reaction.NONE
+)
+STEP_ZERO = ErrorEntry(300083, "$FOR with step 0 is an endless loop", Severity.WARNING, Reaction.NONE)
+
+# -- motion --------------------------------------------------------------------------------------------------------
+
+FEED_MISSING = ErrorEntry(
+    300090,
+    "G0{motion} without a feed",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program F before or in this block",
+)
+FEED_INVALID = ErrorEntry(
+    300091, "feed F{value:.9g} must be above 0", reaction=Reaction.STOP_AT_BLOCK_END, remedy="program an F above 0"
+)
+POSITION_RANGE = ErrorEntry(
+    300092,
+    "target {value:.9g} of axis {axis} is outside ±{limit:.0f}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 1974",
+)
+CENTRE_MISSING = ErrorEntry(
+    300093,
+    "G0{motion} without a circle centre or radius",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program {letters} or R",
+)
+RADIUS_TOO_SMALL = ErrorEntry(
+    300094,
+    "radius {radius:.6g} mm is too small: the target is {distance:.6g} mm away, so at least {needed:.6g} mm are needed",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+RADIUS_FULL_CIRCLE = ErrorEntry(
+    300095,
+    "start and target are equal, a full circle cannot be programmed by radius",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program the centre with {letters}",
+    source="programming manual line 2412",
+)
+CENTRE_DEVIATION = ErrorEntry(
+    300096,
+    "circle centre would have to move by {shift:.6g} mm to fit start and target, allowed are {limit:.6g} mm",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check {letters}, the target, and G161/G162",
+    source="P-CHAN-00059, P-CHAN-00060",
+)
+RADIUS_ZERO = ErrorEntry(300097, "the circle has radius 0", reaction=Reaction.STOP_AT_BLOCK_END)
+RADIUS_RANGE = ErrorEntry(
+    300098,
+    "circle radius {radius:.6g} mm is above {limit:.0f} mm",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 1979",
+)
+CENTRE_AND_RADIUS = ErrorEntry(
+    300099, "circle centre and radius in one block", reaction=Reaction.STOP_AT_BLOCK_END, remedy="program one of them"
+)
+CENTRE_WITHOUT_CIRCLE = ErrorEntry(
+    300100,
+    "{letter} has no meaning with G0{motion}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="I, J, K belong to G02 and G03",
+)
+PITCH_INVALID = ErrorEntry(
+    300101, "pitch {letter} {value:.9g} of the helix must be above 0", reaction=Reaction.STOP_AT_BLOCK_END
+)
+PLANE_UNAVAILABLE = ErrorEntry(
+    300102,
+    "G{plane} needs {needed} main axes, the channel has {axes}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+DWELL_NEGATIVE = ErrorEntry(300103, "dwell time {value:.9g} is negative", reaction=Reaction.STOP_AT_BLOCK_END)
+DWELL_SPEED = ErrorEntry(
+    300104,
+    "dwell by spindle revolutions needs a spindle speed",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program S before",
+)
+DWELL_AXIS = ErrorEntry(
+    300105, "G04 takes the time with the first main axis {axis} or without an address, not with {address}"
+)

@@ -1,3 +1,212 @@
 """Errors of the PLC program, its process and the HLI."""
 
 from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
+
+# ------------------------------------------------------------------------------------------- start-up check of the HLI
+
+_INIT_CHECK = "MCV_HliInterface, table of error identifiers"
+_REBUILD = "build both sides from the same version; a C program needs a new header (tandem hli header)"
+
+HLI_VERSION = ErrorEntry(
+    40015,
+    "shared memory {name} has layout version {found}, this program knows {expected}",
+    remedy=_REBUILD,
+    source=_INIT_CHECK,
+)
+HLI_CAPACITY = ErrorEntry(
+    40016,
+    "shared memory {name} has {found} {area} areas, this program expects {expected}",
+    remedy=_REBUILD,
+    source=_INIT_CHECK,
+)
+HLI_AXIS_SIZE = ErrorEntry(
+    40017,
+    "shared memory {name}: an axis area has {found} bytes, this program expects {expected}",
+    remedy=_REBUILD,
+    source=_INIT_CHECK,
+)
+HLI_CHANNEL_SIZE = ErrorEntry(
+    40018,
+    "shared memory {name}: a channel area has {found} bytes, this program expects {expected}",
+    remedy=_REBUILD,
+    source=_INIT_CHECK,
+)
+HLI_NO_SHAPE = ErrorEntry(
+    40019,
+    "shared memory {name} is no HLI of Tandem, or its owner has not finished making it",
+    remedy="wait until the runtime has started; check the name",
+    source=_INIT_CHECK,
+)
+HLI_PLATFORM_SIZE = ErrorEntry(
+    40022,
+    "shared memory {name}: the platform area has {found} bytes, this program expects {expected}",
+    remedy=_REBUILD,
+    source=_INIT_CHECK,
+)
+HLI_NOT_RUNNING = ErrorEntry(
+    304001,
+    "no runtime named {name} is running on this computer",
+    remedy="start one (tandem run), or give its name (--name)",
+)
+HLI_NO_ACCESS = ErrorEntry(
+    304002,
+    "no access to shared memory {name}: it belongs to another user",
+    remedy="join the group of the runtime, or become its user",
+)
+HLI_NAME = ErrorEntry(
+    304003,
+    "{name!r} is no name of a shared memory",
+    remedy="use letters, digits, '_', '-' and '.' only",
+)
+HLI_LAYOUT = ErrorEntry(
+    304004,
+    "shared memory {name} has another layout (hash {found}, this program {expected})",
+    remedy=_REBUILD,
+)
+HLI_ALREADY_RUNS = ErrorEntry(
+    304005,
+    "a runtime named {name} already runs (process {pid})",
+    remedy="stop it, or start this one under another name",
+)
+HLI_NO_ELEMENT = ErrorEntry(
+    304006,
+    "the HLI has no element {path}: {part} is not among {known}",
+    remedy="tandem hli show prints everything",
+)
+
+# ------------------------------------------------------------------------------------------- operating modes
+
+MODE_NOT_AVAILABLE = ErrorEntry(
+    304010,
+    "operating mode {mode} is not available in this version",
+    remedy="select AUTOMATIC or STANDBY",
+)
+MODE_TRANSITION = ErrorEntry(
+    304011,
+    "channel is in {mode} {state}: there is no way to {to_mode} {to_state}",
+    severity=Severity.WARNING,
+    remedy="see the states of the operating modes; reset leads back to the basic state",
+)
+MODE_NO_PROGRAM = ErrorEntry(
+    304012,
+    "no NC program is loaded and the order names none",
+    remedy="name the program to start",
+)
+MODE_FROM = ErrorEntry(
+    304013,
+    "order expects {from_mode} {from_state}, but the channel is in {mode} {state}; it is not carried out",
+    severity=Severity.WARNING,
+    remedy="look at the state and order again, or leave the start state open (0)",
+)
+MODE_PROGRAM_RUNS = ErrorEntry(
+    304014,
+    "a program is {state}; {what} is not possible now",
+    severity=Severity.WARNING,
+    remedy="stop the program first, or wait for its end",
+)
+MODE_RESET_FIRST = ErrorEntry(
+    304015,
+    "channel is in ERROR; only a reset leads on",
+    severity=Severity.WARNING,
+    remedy="remove the cause and reset the channel",
+)
+OPERATOR_NO_ANSWER = ErrorEntry(
+    304016,
+    "the runtime {name} has not taken the order within {seconds} s",
+    remedy="is its cycle running? (tandem hli watch); has the PLC claimed the unit and not answered?",
+)
+
+# ------------------------------------------------------------------------------------------- the PLC and its program
+
+PLC_WATCHDOG = ErrorEntry(
+    270053,
+    "the PLC gave no sign of life for {milliseconds} ms (allowed {allowed} ms)",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="look for an endless loop or a stopped process of the PLC; then restart the PLC and reset",
+    source="watchdog mechanism of the HLI",
+)
+PLC_LOGGED_OFF = ErrorEntry(
+    304019,
+    "the PLC has ended while the machine runs",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="reset the channel to start it again",
+)
+PLC_MODULE_MISSING = ErrorEntry(
+    304020,
+    "PLC program {program}: {what}",
+    remedy='write "file.py" (beside the machine description) or "package.module:Class"; check the spelling',
+)
+PLC_SYNTAX = ErrorEntry(
+    304021,
+    "PLC program {program} has a syntax error: {what}",
+    remedy="correct the line",
+)
+PLC_NO_PROGRAM = ErrorEntry(
+    304022,
+    "PLC program {program} contains no subclass of Program",
+    remedy="from runtime.plc_logic import Program, and derive one class from it",
+)
+PLC_SEVERAL_PROGRAMS = ErrorEntry(
+    304023,
+    "PLC program {program} contains several programs: {names}",
+    remedy='name one of them: "{program}:{first}"',
+)
+PLC_IMPORT_RAISED = ErrorEntry(
+    304024,
+    "PLC program {program} cannot be loaded: {what}",
+    remedy="the traceback shows the line",
+)
+PLC_SETUP_RAISED = ErrorEntry(
+    304025,
+    "setup() of PLC program {program} failed: {what}",
+    remedy="the traceback shows the line",
+)
+PLC_RAISED = ErrorEntry(
+    304026,
+    "PLC program {program} failed: {what}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="correct the program, restart the PLC, then reset the channel",
+)
+PLC_HANDLER_RESULT = ErrorEntry(
+    304027,
+    "{handler} returned {result!r} for {function}; a handler returns True when it is finished, False while it is not",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="end the handler with a return of True or False on every way through it",
+)
+PLC_TWO_HANDLERS = ErrorEntry(
+    304028,
+    "{program}: {first} and {second} both handle {function}",
+    remedy="give each function one handler",
+)
+PLC_NO_HANDLER = ErrorEntry(
+    304029,
+    "PLC program has no handler for {function} (line {line}); it stays unacknowledged and the path waits",
+    remedy="write a handler (@m_function and so on) or take the function out of the channel parameters; then reset",
+)
+PLC_NO_HANDLER_MOS = ErrorEntry(
+    304030,
+    "PLC program has no handler for {function} (line {line})",
+    severity=Severity.WARNING,
+    remedy="write a handler, or set its synchronisation to NO_SYNCH",
+)
+PLC_ALARM = ErrorEntry(304031, "{text}", reaction=Reaction.NONE)
+PLC_WARNING = ErrorEntry(304032, "{text}", severity=Severity.WARNING, reaction=Reaction.NONE)
+PLC_MESSAGE = ErrorEntry(304033, "{text}", severity=Severity.MESSAGE, reaction=Reaction.NONE)
+PLC_IO_NAME = ErrorEntry(
+    304034,
+    "the machine has no input or output {name}; known: {known}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="name it in the machine description (fieldbus.io) or correct the spelling",
+)
+PLC_INPUT_ASSIGNED = ErrorEntry(
+    304035,
+    "{name} is an input; the PLC program cannot set it",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="inputs are only read",
+)
+PLC_NAME = ErrorEntry(
+    304036,
+    "the machine has no {kind} {name}; known: {known}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="use a name of the machine description",
+)

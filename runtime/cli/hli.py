@@ -1,0 +1,219 @@
+"""`tandem hli`: look into the HLI of a running machine, and give orders as its operator."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console, Group
+from rich.live import Live
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from runtime.hli.alarms import alarm_lines
+from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
+from runtime.hli.header import c_header
+from runtime.hli.layout import Axis, Channel, Hli
+from runtime.hli.memory import HliMemory, get_text
+from runtime.hli.operator import Operator
+from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED
+
+SPINDLE = 4  # axis_type_r
+
+app = typer.Typer(
+    help="Look into the interface memory of a running machine, and command it.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+command = typer.Typer(help="Order something as the operator.", no_args_is_help=True, pretty_exceptions_enable=False)
+app.add_typer(command, name="command")
+
+Name = Annotated[str, typer.Option("--name", help="Name of the runtime (its shared memory).")]
+Switch = Annotated[str, typer.Argument(metavar="on|off")]
+
+
+# --------------------------------------------------------------------------------------------- look
+
+
+@app.command()
+def watch(
+    name: Name = "tandem",
+    once: Annotated[bool, typer.Option("--once", help="Print one picture and end.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON (one object per picture).")] = False,
+    interval: Annotated[float, typer.Option(help="Seconds between two pictures.", min=0.02)] = 0.2,
+) -> None:
+    """Show state, positions and alarms, live; ends with Ctrl+C or with the runtime."""
+    with HliClient(name) as client:
+        if as_json:
+            print(json.dumps(client.snapshot()))
+            while not once and client.running:
+                time.sleep(interval)
+                print(json.dumps(client.snapshot()), flush=True)
+            return
+        if once:
+            Console().print(picture(client.hli, client.running))
+            return
+        with Live(picture(client.hli, client.running), refresh_per_second=1 / interval) as live:
+            while client.running:
+                time.sleep(interval)
+                live.update(picture(client.hli, client.running))
+
+
+@app.command()
+def show(
+    path: Annotated[str, typer.Argument(help="Element, such as channels.0.status or axes.X; empty: everything.")] = "",
+    name: Name = "tandem",
+) -> None:
+    """Print an element and everything below it as JSON, in mm, degrees, seconds and percent."""
+    with HliClient(name) as client:
+        print(json.dumps(client.element(path), indent=2, ensure_ascii=False))
+
+
+@app.command()
+def header(
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="File; default: standard output.")] = None,
+) -> None:
+    """Print the C header of the interface, for programs in other languages."""
+    if output is None:
+        print(c_header(), end="")
+    else:
+        output.write_text(c_header())
+
+
+def picture(hli: Hli, running: bool) -> Group:
+    """The tables of `tandem hli watch`."""
+    head = hli.head
+    state = "[green]running[/]" if running else "[red]not running[/]"
+    title = f"[bold]{escape(get_text(head, 'machine_name_r') or 'tandem')}[/] {state}  cycle {head.cycle_r}"
+    parts: list[Table | Text] = [Text.from_markup(title)]
+    parts += [_channel_table(hli.channels[i]) for i in range(head.channels_r)]
+    parts.append(_axis_table([hli.axes[i] for i in range(head.axes_r)]))
+    if hli.platform.plc_error_id_w:
+        parts.append(Text(f"PLC stands: {get_text(hli.platform, 'plc_error_text_w')}", style="red"))
+    parts.append(_alarm_table(hli))
+    return Group(*parts)
+
+
+def _channel_table(channel: Channel) -> Table:
+    status, modes = channel.status, channel.control.mode_and_state
+    table = Table(show_header=False, box=None, pad_edge=False)
+    waits = ", ".join(stop_conditions(status.stop_condition_r))
+    program = f"{get_text(status, 'program_name_r') or '-'}  line {status.line_r}"
+    rows = {
+        "channel": f"{get_text(channel, 'name_r')}  {mode_name(modes.mode_r)} {state_name(modes.state_r)}",
+        "program": program + (f"  N{status.block_number_r}" if status.block_number_r >= 0 else ""),
+        "feed": f"{status.active_feed_r * SPEED * 60:.0f} of {status.command_feed_r * SPEED * 60:.0f} mm/min, "
+        f"override {status.active_override_r * PERCENT:.0f} %",
+        "path": f"{status.path_position_r * LENGTH:.3f} mm, block {status.covered_distance_r * PERCENT:.0f} %",
+        "waits for": waits or "-",
+        "functions": f"{status.waiting_functions_r} not acknowledged"
+        + (f", error {status.error_id_r}" if status.error_id_r else ""),
+    }
+    for label, text in rows.items():
+        table.add_row(f"[dim]{label}[/]", escape(text))
+    return table
+
+
+def _axis_table(axes: list[Axis]) -> Table:
+    table = Table("axis", "actual", "commanded", "lag", "velocity", "drive")
+    for axis in axes:
+        status, spindle = axis.status, axis.spindle
+        name = get_text(axis, "name_r")
+        drive = f"fault {status.fault_code_r:#06x}" if status.fault_code_r else f"state {status.drive_state_r}"
+        if axis.axis_type_r == SPINDLE:
+            actual, commanded = (
+                f"{v * REV_PER_MIN:.0f} rev/min" for v in (spindle.actual_speed_r, spindle.command_speed_r)
+            )
+            reached = "at speed" if spindle.rev_erreicht_r else "standing" if spindle.rev_null_r else ""
+            table.add_row(name, actual, commanded, "", reached, drive)
+            continue
+        positions = (status.actual_position_r, status.command_position_r, status.position_lag_r)
+        values = [f"{value * LENGTH:.4f}" for value in positions]
+        table.add_row(name, *values, f"{status.actual_velocity_r * SPEED:.2f}", drive)
+    return table
+
+
+def _alarm_table(hli: Hli) -> Table:
+    table = Table("id", "line", "alarm", box=None)
+    for alarm in alarm_lines(hli)[:8]:
+        style = "red" if alarm.active else "dim"
+        table.add_row(str(alarm.id), str(alarm.line or ""), escape(alarm.text), style=style)
+    return table
+
+
+# --------------------------------------------------------------------------------------------- command
+
+
+def _operate(name: str, action: Callable[[Operator], None]) -> None:
+    with HliMemory.attach(name) as memory:
+        action(Operator(memory, time.sleep))
+
+
+def _on(switch: str) -> bool:
+    if switch not in ("on", "off"):
+        raise typer.BadParameter("say on or off")
+    return switch == "on"
+
+
+@command.command()
+def start(program: Annotated[str, typer.Argument(help="NC program.")], name: Name = "tandem") -> None:
+    """Start an NC program. A file of this folder is given with its full path, other names are the runtime's."""
+    file = Path(program)
+    path = str(file.resolve()) if file.is_file() else program
+    _operate(name, lambda operator: operator.start(path))
+
+
+@command.command()
+def stop(name: Name = "tandem") -> None:
+    """Stop on the path and end the program."""
+    _operate(name, lambda operator: operator.stop())
+
+
+@command.command()
+def reset(name: Name = "tandem") -> None:
+    """Reset the channel."""
+    _operate(name, lambda operator: operator.reset())
+
+
+@command.command()
+def hold(name: Name = "tandem") -> None:
+    """Feed hold: stop on the path, keep the position."""
+    _operate(name, lambda operator: operator.hold())
+
+
+@command.command()
+def resume(name: Name = "tandem") -> None:
+    """Take the feed hold back."""
+    _operate(name, lambda operator: operator.resume())
+
+
+@command.command()
+def override(percent: Annotated[float, typer.Argument(min=0, max=200)], name: Name = "tandem") -> None:
+    """Set the feed override in percent."""
+    _operate(name, lambda operator: operator.override(percent))
+
+
+@command.command("single-block")
+def single_block(switch: Switch, name: Name = "tandem") -> None:
+    """Stop after every block."""
+    on = _on(switch)
+    _operate(name, lambda operator: operator.single_block(on))
+
+
+@command.command("optional-stop")
+def optional_stop(switch: Switch, name: Name = "tandem") -> None:
+    """Let M01 stop."""
+    on = _on(switch)
+    _operate(name, lambda operator: operator.optional_stop(on))
+
+
+@command.command("continue")
+def continue_motion(name: Name = "tandem") -> None:
+    """Go on after M00, M01 or a single block."""
+    _operate(name, lambda operator: operator.continue_motion())

@@ -1,0 +1,121 @@
+"""`tandem run`: the machine in real time, until it is stopped or the demo program has ended."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from runtime.config.machine import Machine
+    from runtime.scheduler.session import Session
+
+_POLL = 0.02  # s; also the distance of the points in the picture
+_TELL_EVERY = 1.0  # s between two lines of state
+DEMO_PROGRAM = Path(__file__).parents[1] / "demo" / "plate.nc"
+
+
+def command(
+    config: Annotated[Path | None, typer.Option("-c", "--config", help="machine description (YAML)")] = None,
+    dialect: Annotated[str, typer.Option(help="isg or nct")] = "isg",
+    name: Annotated[str, typer.Option(help="name of the HLI in shared memory")] = "tandem",
+    program: Annotated[Path | None, typer.Option(help="start this program as soon as the machine is ready, end with it")] = None,
+    demo: Annotated[bool, typer.Option("--demo", help="mill the built-in program on the demo machine")] = False,
+    simulated_drives: Annotated[
+        bool, typer.Option("--simulated-drives", help="start simulated drives on the machine's bus (the demo machine always)")
+    ] = False,
+    plot: Annotated[Path | None, typer.Option(help="at the end, draw the path that the axes took into this PNG file")] = None,
+) -> None:
+    """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
+    from runtime.config import load_machine
+    from runtime.scheduler.journal import open_journal
+    from runtime.scheduler.session import Session
+    from runtime.scheduler.supervisor import RunOptions
+
+    if demo:
+        program = program or DEMO_PROGRAM
+        plot = plot or Path("tandem-demo.png")
+    machine = load_machine(config)
+    _warm_kernels()
+    options = RunOptions(config, name, dialect, simulated_drives or config is None)
+    session = Session(machine, options, open_journal(os.environ, sys.stderr))
+    stop = False
+
+    def ask_to_stop(_number: int, _frame: FrameType | None) -> None:
+        nonlocal stop
+        stop = True
+
+    signal.signal(signal.SIGTERM, ask_to_stop)
+    signal.signal(signal.SIGINT, ask_to_stop)
+    _say(f"starting {machine.name}: {len(machine.axes)} axes, bus {machine.fieldbus.bus.interface}")
+    try:
+        session.start()
+        if session.supervisor.metrics_port:
+            _say(f"metrics on http://{machine.metrics.host}:{session.supervisor.metrics_port}/metrics")
+        if program is not None:
+            session.start_program(program.resolve())
+        tell_at = 0.0
+        while not stop and session.poll():
+            if program is not None and session.program_done:
+                break
+            now = time.monotonic()
+            if now >= tell_at:
+                tell_at = now + _TELL_EVERY
+                _say(session.state_line())
+            time.sleep(_POLL)
+    finally:
+        code = session.stop()
+    if program is not None:
+        code = _summary(session, machine, program, plot) or code
+    raise typer.Exit(code)
+
+
+def _warm_kernels() -> None:
+    """Compile the kernels, or load them from the cache; a line of progress only if it takes a while."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
+    from runtime.kernels import warm_up
+
+    columns = (TextColumn("preparing kernels"), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=False) as bar:
+        task = bar.add_task("", total=1)
+
+        def tell(what: str, done: int, total: int) -> None:
+            bar.update(task, description=what, completed=done, total=total)
+
+        warm_up(tell)
+        bar.update(task, description="ready", completed=1, total=1)
+
+
+def _summary(session: Session, machine: Machine, program: Path, plot: Path | None) -> int:
+    result = session.result()
+    _say("")
+    _say(f"{program.name}: {result.outcome}, {result.time:.2f} s, {result.path_length / 1000.0:.3f} m of path")
+    _say("end position " + "  ".join(f"{name} {value:.3f}" for name, value in result.positions.items()))
+    for function, count in sorted(result.functions.items()):
+        _say(f"  {function} × {count}")
+    _say(
+        f"cycles {result.cycles}, overruns {result.overruns}, work time median {result.work_median_us:.0f} µs, "
+        f"99 % below {result.work_p99_us:.0f} µs; PLC overruns {result.plc_overruns}"
+    )
+    for text in result.alarms:
+        _say(f"alarm {text}")
+    if plot is not None and len(session.samples["t"]):
+        from runtime.cli.plot import plot_path, rapid_threshold
+
+        axes = machine.channels[0].axes
+        plot_path(plot, session.samples, axes, f"{program.name} on {machine.name}", rapid_threshold(machine))
+        _say(f"picture of the path: {plot}")
+    return 0 if result.good else 1
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,60 @@
+"""`tandem simulate FILE`: the whole machine in virtual time."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="NC program")],
+    config: Annotated[Path | None, typer.Option("-c", "--config", help="machine description (YAML)")] = None,
+    dialect: Annotated[str, typer.Option(help="isg or nct")] = "isg",
+    trace: Annotated[Path | None, typer.Option(help="write blocks, events, samples and summary into this folder")] = None,
+    plot: Annotated[Path | None, typer.Option(help="draw the path into this PNG file")] = None,
+    ideal_axes: Annotated[bool, typer.Option("--ideal-axes", help="without drives in the loop: faster")] = False,
+    no_plc: Annotated[bool, typer.Option("--no-plc", help="every function is acknowledged at once")] = False,
+    watch: Annotated[list[str] | None, typer.Option(help="a V. variable for the summary (not in this version)")] = None,
+) -> None:
+    """Run a program in virtual time, as fast as the computer can; exit code 1 if it ends with an error."""
+    from runtime.config import load_machine
+    from runtime.diagnostics.catalogue import system
+    from runtime.diagnostics.errors import TandemError
+    from runtime.scheduler.simulation import Simulation
+
+    if watch:
+        raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="there are no V. variables yet")
+    machine = load_machine(config)
+    simulation = Simulation(
+        machine,
+        ideal_axes=ideal_axes,
+        dialect=dialect,
+        trace=trace,
+        samples=plot is not None,
+        plc=not no_plc,
+        base=config.parent if config else None,
+    )
+    progress = _tell_progress if sys.stderr.isatty() else None
+    result = simulation.run_program(file, progress=progress)
+    if progress:
+        print(file=sys.stderr)
+    simulation.close(result)
+    for problem in result.problems:
+        print(problem, file=sys.stderr)
+    print(f"time {result.time:.3f} s, path {result.path_length:.3f} mm, {result.cycles} cycles")
+    print("end position " + "  ".join(f"{name} {value:.4f}" for name, value in result.positions.items()))
+    if plot is not None and simulation.samples is not None:
+        from runtime.cli.plot import plot_path, rapid_threshold
+
+        axes = machine.channels[0].axes
+        plot_path(plot, simulation.samples.arrays(), axes, f"{file.name} on {machine.name}", rapid_threshold(machine))
+        print(f"picture {plot}")
+    if not result.good:
+        raise typer.Exit(1)
+
+
+def _tell_progress(seconds: float, line: int) -> None:
+    print(f"\r{seconds:9.1f} s  line {line}", end="", file=sys.stderr, flush=True)

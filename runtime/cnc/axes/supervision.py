@@ -1,0 +1,154 @@
+"""All axes between the interpolators and the drive image: enabling, take-over without a jump, monitoring.
+
+While a drive is not enabled its axis is in tracking: the set-point is the actual position, so that enabling never jumps. What
+the monitoring finds is handed to the caller as faults, once each; the axis stays in error until it is reset.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.config.machine import AxisType, Machine
+from runtime.drives import DriveImage, DriveState
+from runtime.kernels import kernel, warms
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+States = npt.NDArray[np.int8]
+
+FAULT_DRIVE = 1  # the drive is in fault or fault reaction
+FAULT_OFFLINE = 2  # the node does not answer
+FAULT_LAG = 3  # following error above its limit
+FAULT_DROPPED = 4  # the drive left operation enabled although it should be in it
+
+
+class AxisFault(NamedTuple):
+    """What the monitoring found: axis index, one of FAULT_*, and the measured value (lag in mm, or the drive's code)."""
+
+    axis: int
+    kind: int
+    value: float
+
+
+@kernel
+def _supervise(
+    target: Floats,
+    actual: Floats,
+    state: States,
+    wanted: Flags,
+    was_enabled: Flags,
+    linear: Flags,
+    lag_limit: Floats,
+    faults: npt.NDArray[np.int8],
+    lag: Floats,
+) -> int:
+    """Fill `lag` and `faults` (0 or FAULT_*), keep `was_enabled`; returns the number of axes with a new fault."""
+    new = 0
+    for i in range(target.shape[0]):
+        enabled = state[i] == 5  # OPERATION_ENABLED
+        lag[i] = target[i] - actual[i] if linear[i] and enabled else 0.0
+        found = 0
+        if state[i] == 0 and wanted[i]:
+            found = FAULT_OFFLINE
+        elif state[i] >= 7:
+            found = FAULT_DRIVE
+        elif was_enabled[i] and wanted[i] and not enabled:
+            found = FAULT_DROPPED
+        elif abs(lag[i]) > lag_limit[i]:
+            found = FAULT_LAG
+        if found != 0 and faults[i] == 0:
+            faults[i] = found
+            new += 1
+        was_enabled[i] = enabled
+    return new
+
+
+@warms("axis monitoring")
+def _warm() -> None:
+    n = 1
+    _supervise(
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n, dtype=np.int8),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros(n, dtype=np.bool_),
+        np.ones(n),
+        np.zeros(n, dtype=np.int8),
+        np.zeros(n),
+    )
+
+
+class AxisSupervision:
+    """Enabling and monitoring of all axes of the machine; arrays in the order of the machine description."""
+
+    def __init__(self, machine: Machine, image: DriveImage) -> None:
+        n = len(machine.axes)
+        self.image = image
+        self.lag: Floats = np.zeros(n)  # following error
+        self.faults: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # 0 or FAULT_*, kept until reset
+        self._linear: Flags = np.array([axis.type is not AxisType.SPINDLE for axis in machine.axes])
+        self._lag_limit: Floats = np.array([axis.following_error for axis in machine.axes])
+        self._window: Floats = np.array([axis.in_position for axis in machine.axes])
+        self._was_enabled: Flags = np.zeros(n, dtype=np.bool_)
+        self._resetting = 0
+
+    @property
+    def enabled(self) -> Flags:
+        """(n,) drives that take set-points."""
+        return self.image.state == DriveState.OPERATION_ENABLED
+
+    @property
+    def in_position(self) -> Flags:
+        """(n,) following error within the window of standstill."""
+        return np.abs(self.lag) <= self._window
+
+    def monitor(self, wanted: Flags) -> list[AxisFault]:
+        """After the fieldbus was read: new faults, and the enables and tracking set-points of this cycle.
+
+        `wanted` (n,): the drives that shall be on. An axis in fault is not enabled until it is reset.
+        """
+        image = self.image
+        before = self.faults.copy()
+        new = _supervise(
+            image.target_position,
+            image.actual_position,
+            image.state,
+            wanted,
+            self._was_enabled,
+            self._linear,
+            self._lag_limit,
+            self.faults,
+            self.lag,
+        )
+        if self._resetting:
+            self._resetting -= 1
+            if self._resetting == 0:
+                image.reset_fault[:] = False
+            self.faults[:] = 0  # judged anew when the reset has had its time
+            new = 0
+        np.logical_and(wanted, self.faults == 0, out=image.enable)
+        tracking = image.state != DriveState.OPERATION_ENABLED
+        image.target_position[tracking] = image.actual_position[tracking]
+        if not new:
+            return []
+        found = []
+        for i in np.flatnonzero((before == 0) & (self.faults != 0)):
+            kind = int(self.faults[i])
+            found.append(AxisFault(int(i), kind, float(self.lag[i] if kind == FAULT_LAG else image.fault_code[i])))
+        return found
+
+    def quick_stop(self) -> None:
+        """Every drive brakes by its own quick-stop ramp."""
+        self.image.quick_stop[:] = True
+
+    def reset(self, cycles: int) -> None:
+        """Acknowledge faults; the drives get `cycles` cycles before they are judged again."""
+        self.image.quick_stop[:] = False
+        self.image.reset_fault[:] = True
+        self.faults[:] = 0
+        self._was_enabled[:] = False
+        self._resetting = cycles

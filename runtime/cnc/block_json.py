@@ -1,0 +1,95 @@
+"""Blocks as rows of `blocks.jsonl`: one per motion element, dwell, function or stop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from runtime.cnc.blocks import (
+    Arc,
+    Block,
+    Dwell,
+    Floats,
+    Line,
+    Polyline,
+    Source,
+    Stop,
+    TechnologyFunction,
+)
+
+Row = dict[str, object]
+
+
+def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
+    """The rows of a block, in the order of the program; a polyline gives one per segment, `Wait` and `BlockEnd` none.
+
+    Every row has `line`, `n` (block number or None), `program`, `type`. Motion: `from`, `to` (axis name → machine
+    coordinate, mm or degrees), `to_pcs` (programmed coordinates), `feed` (mm/min, None for rapid), `rapid`; arcs and
+    helices also `centre` (axis name → mm), `radius` (mm), `angle` (degrees, counter-clockwise positive) and `plane`
+    ("XY"). Functions: `number`, `value`, `synch`, for S `spindle`. Dwell: `seconds`. Stop: `kind`.
+    """
+    if isinstance(block, Polyline):
+        yield from _polyline(block, axis_names)
+    elif isinstance(block, Line):
+        yield {
+            **_source(block.source, "line"),
+            "from": _axes(block.start, axis_names),
+            "to": _axes(block.end, axis_names),
+            "to_pcs": _axes(block.end_pcs, axis_names),
+            **_feed(block.feed, block.rapid),
+        }
+    elif isinstance(block, Arc):
+        yield _arc(block, axis_names)
+    elif isinstance(block, Dwell):
+        yield {**_source(block.source, "dwell"), "seconds": block.seconds}
+    elif isinstance(block, TechnologyFunction):
+        row = _source(block.source, block.kind.name.lower())
+        row |= {"number": block.number, "value": block.value, "synch": block.synch.name}
+        if block.spindle >= 0:
+            row["spindle"] = block.spindle
+        yield row
+    elif isinstance(block, Stop):
+        yield {**_source(block.source, "stop"), "kind": block.kind.value}
+
+
+def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
+    points = block.points.tolist()
+    programmed = (block.points - block.pcs_shift).tolist()
+    columns = zip(block.feeds.tolist(), block.lines.tolist(), block.numbers.tolist(), strict=True)
+    for i, (feed, line, number) in enumerate(columns):
+        yield {
+            **_source(Source(block.program, line, number if number >= 0 else None), "line"),
+            "from": dict(zip(names, points[i], strict=True)),
+            "to": dict(zip(names, points[i + 1], strict=True)),
+            "to_pcs": dict(zip(names, programmed[i + 1], strict=True)),
+            **_feed(feed, math.isinf(feed)),
+        }
+
+
+def _arc(block: Arc, names: Sequence[str]) -> Row:
+    outside = [axis for axis in range(len(block.start)) if axis not in block.plane]
+    helix = any(block.start[axis] != block.end[axis] for axis in outside)
+    first, second = (names[axis] for axis in block.plane)
+    return {
+        **_source(block.source, "helix" if helix else "arc"),
+        "from": _axes(block.start, names),
+        "to": _axes(block.end, names),
+        "to_pcs": _axes(block.end_pcs, names),
+        "centre": {first: float(block.centre[0]), second: float(block.centre[1])},
+        "radius": block.radius,
+        "angle": block.angle,
+        "plane": first + second,
+        **_feed(block.feed, False),
+    }
+
+
+def _source(source: Source, kind: str) -> Row:
+    return {"line": source.line, "n": source.n, "program": source.program, "type": kind}
+
+
+def _axes(position: Floats, names: Sequence[str]) -> dict[str, float]:
+    return dict(zip(names, position.tolist(), strict=True))
+
+
+def _feed(feed: float, rapid: bool) -> Row:
+    return {"feed": None if math.isinf(feed) else feed, "rapid": rapid}

@@ -1,0 +1,412 @@
+"""One NC channel in the cycle: path, technology functions, gates, spindles, and the mode it is in.
+
+    preparation ─▶ motion queue ─▶ interpolator ──▶ axis set-points
+                                     │  passed: functions, block ends        ▲
+                                     ▼                                       │ gate opened
+                                  technology port ──▶ PLC ──▶ acknowledged ──┘
+
+The interpolator knows the path, its speed, and gates: places where it stops unless they are opened. This module decides
+when a gate is opened: functions acknowledged, spindle at speed, dwell over, operator said continue. A gate may be opened long
+before the path gets there; then the path runs through it without slowing down.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum, auto
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
+from runtime.cnc.blocks import Synch, Technology
+from runtime.cnc.interpolator import Interpolator
+from runtime.cnc.motion_queue import GateReason, MotionQueue, QueueRecord, RecordKind
+from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
+from runtime.diagnostics.catalogue import CATALOGUE, machine
+from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
+from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.hli.layout import StopCondition
+from runtime.hli.technology import Function, Sent, TechnologyPort
+from runtime.hli.units import INT32
+
+Floats = npt.NDArray[np.float64]
+
+_OUT = {
+    Technology.M: EventKind.M_OUT,
+    Technology.H: EventKind.H_OUT,
+    Technology.S: EventKind.S_OUT,
+    Technology.T: EventKind.T_OUT,
+}
+_ACK = {
+    Technology.M: EventKind.M_ACK,
+    Technology.H: EventKind.H_ACK,
+    Technology.S: EventKind.S_ACK,
+    Technology.T: EventKind.T_ACK,
+}
+_WAITING = Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS
+
+
+class Phase(Enum):
+    """What the channel does with its program."""
+
+    IDLE = auto()
+    STARTING = auto()  # ordered, the preparation has not yet answered
+    RUNNING = auto()
+    ABORTING = auto()  # braking on the path
+    CLEARING = auto()  # standing; waits until the preparation has stopped writing
+
+
+@dataclass(slots=True)
+class ChannelInputs:
+    """What the operator and the PLC want from the channel in this cycle."""
+
+    override: float = 1.0
+    feed_hold: bool = False
+    single_block: bool = False
+    optional_stop: bool = False
+    continue_motion: bool = False
+
+
+@dataclass(slots=True)
+class _Waiting:
+    """A function that was put out and not yet acknowledged."""
+
+    kind: Technology
+    number: int
+    line: int
+    n: int | None
+    spindle: Spindle | None  # waits for its speed
+    sent: Sent | None  # waits for the PLC
+
+
+class Channel:
+    """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises."""
+
+    def __init__(
+        self,
+        queue: MotionQueue,
+        interpolator: Interpolator,
+        link: PreparationLink,
+        port: TechnologyPort,
+        spindles: list[Spindle],
+        spindle_ports: list[TechnologyPort],
+        events: EventRing,
+        period: float,
+    ) -> None:
+        self.queue = queue
+        self.interpolator = interpolator
+        self.link = link
+        self.port = port
+        self.spindles = spindles
+        self.spindle_ports = spindle_ports
+        self.events = events
+        self.period = period
+        self.phase = Phase.IDLE
+        self.program = ""
+        self.error: ErrorEntry | None = None  # keeps the channel from starting until it is reset
+        self.stop_condition = StopCondition.NONE
+        self.program_ended = True
+        self.trace_blocks = False  # every block start and end as an event
+        self.block_counter = 0
+        self.problems: deque[Problem] = deque(maxlen=32)  # taken by the runtime, which raises the alarms
+        self._waiting: list[_Waiting] = []
+        self._overflow: deque[int] = deque()  # functions (queue records) for which the port had no room
+        self._dwell_left = -1.0
+        self._continue_was = False
+        self._told_failure = False
+        self._traced_index = -1
+        self._time = 0.0
+        self._cycle = 0
+
+    # ------------------------------------------------------------------ orders
+
+    def start(self, program: str, position: Floats, skip_levels: int) -> None:
+        """Begin `program` from the machine position (n_axes,); the caller has checked that the axes are ready."""
+        self.program = program
+        self.program_ended = False
+        self.error = None
+        self._told_failure = False
+        self._traced_index = -1
+        self.block_counter = 0
+        self.queue.discard_all()
+        self.interpolator.restart(position)
+        self.link.start(StartOrder(program, position, skip_levels))
+        self.phase = Phase.STARTING
+
+    def abort(self) -> None:
+        """Brake on the path, then drop the rest of the program."""
+        if self.phase is Phase.STARTING:
+            self._clear()
+        elif self.phase is Phase.RUNNING:
+            self.interpolator.abort()
+            self.phase = Phase.ABORTING
+
+    def abort_at_once(self, position: Floats) -> None:
+        """The axes brake by themselves (quick stop, bus gone): drop the program, the path starts anew at `position`."""
+        if self.phase in (Phase.STARTING, Phase.RUNNING, Phase.ABORTING):
+            self._clear()
+        self.interpolator.restart(position)
+
+    def fail(self, entry: ErrorEntry) -> None:
+        """An error keeps the channel from starting until it is reset; spindles stop with the path."""
+        if self.error is None:
+            self.error = entry
+        self._stop_spindles()
+        self.abort()
+
+    def reset(self) -> None:
+        """Abort, drop pending functions, clear the error, stop the spindles."""
+        self.abort()
+        self._stop_spindles()
+        self._drop_functions()
+        self.error = None
+
+    def _stop_spindles(self) -> None:
+        for spindle in self.spindles:
+            spindle.stop()
+
+    def _drop_functions(self) -> None:
+        self._waiting.clear()
+        self._overflow.clear()
+        self.port.drop_all()
+        for port in self.spindle_ports:
+            port.drop_all()
+
+    def _clear(self) -> None:
+        self.link.abort()
+        self.phase = Phase.CLEARING
+
+    # ------------------------------------------------------------------ what the others want to know
+
+    @property
+    def active(self) -> bool:
+        """A program is in work (also while it brakes for an abort)."""
+        return self.phase is not Phase.IDLE
+
+    @property
+    def held(self) -> bool:
+        """Feed hold is on and the path stands."""
+        return bool(self.stop_condition & StopCondition.FEED_HOLD) and self.interpolator.standstill
+
+    @property
+    def waiting_functions(self) -> int:
+        """Functions that are out, or due, and not yet acknowledged."""
+        return len(self._waiting) + len(self._overflow)
+
+    # ------------------------------------------------------------------ the cycle
+
+    def step(self, inputs: ChannelInputs, axes_ready: bool, speeds: Floats, time: float, cycle: int) -> None:
+        """One cycle. `axes_ready`: all path axes may move; `speeds`: actual spindle speeds, degrees/s."""
+        self._time, self._cycle = time, cycle
+        pressed = inputs.continue_motion and not self._continue_was
+        self._continue_was = inputs.continue_motion
+        if self.phase is Phase.STARTING and self.link.answered:
+            self.phase = Phase.RUNNING
+        if self.phase is Phase.CLEARING and self.link.answered:
+            self._cleared()
+        self._acknowledge(speeds)
+        if self.phase not in (Phase.RUNNING, Phase.ABORTING):
+            self.stop_condition = StopCondition.ERROR if self.error else StopCondition.NONE
+            return
+        self._put_out_overflow()
+        stop = StopCondition.NONE
+        if inputs.feed_hold:
+            stop |= StopCondition.FEED_HOLD
+        if not axes_ready:
+            stop |= StopCondition.AXIS_NOT_READY
+        if self._overflow:
+            stop |= StopCondition.TECHNOLOGY_FULL
+        if inputs.override == 0.0:
+            stop |= StopCondition.OVERRIDE_ZERO
+        held = stop & ~StopCondition.OVERRIDE_ZERO != StopCondition.NONE
+        path = self.interpolator
+        path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
+        for index in path.passed:
+            self._pass(self.queue.record(index), index)
+        if self.trace_blocks:
+            self._trace_block()
+        stop |= self._gate(inputs, pressed)
+        if self.phase is Phase.ABORTING and path.aborted:
+            self._clear()
+        elif self.phase is Phase.RUNNING and path.starved:
+            stop |= self._out_of_blocks()
+        if stop != self.stop_condition:
+            standing = stop & ~StopCondition.OVERRIDE_ZERO
+            kind = EventKind.STOP if standing else EventKind.GO
+            self._event(kind, path.line, path.n, number=int(stop))
+            self.stop_condition = stop
+
+    def _out_of_blocks(self) -> StopCondition:
+        """Nothing more is known: the preparation is behind, or it has failed and this is as far as the program goes."""
+        self._tell_failure()
+        if self.link.state is PreparationState.FAILED and self.interpolator.standstill and not self.waiting_functions:
+            self._clear()
+        return StopCondition.NO_BLOCKS
+
+    def _tell_failure(self) -> None:
+        if self.link.state is PreparationState.FAILED and not self._told_failure:
+            self._told_failure = True
+            problem_id, line, text = self.link.problem
+            entry = CATALOGUE.get(problem_id, machine.PREPARATION_SILENT)
+            told = ErrorEntry(entry.id, "{text}", entry.severity, Reaction.NONE, entry.remedy)
+            self.error = told
+            self.problems.append(Problem(told, {"text": text}, Place(self.program, line)))
+
+    def _cleared(self) -> None:
+        self._tell_failure()
+        self.queue.discard_all()
+        self.interpolator.restart(self.interpolator.position.copy())
+        self._drop_functions()
+        self._dwell_left = -1.0
+        self.program_ended = True
+        self.phase = Phase.IDLE
+
+    # ------------------------------------------------------------------ gates
+
+    def _gate(self, inputs: ChannelInputs, pressed: bool) -> StopCondition:
+        """Open the next gate if its reason is gone; tells what the path waits for."""
+        path = self.interpolator
+        if path.gate < 0:
+            return StopCondition.NONE
+        gate = self.queue.record(path.gate)
+        if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
+            if not path.at_gate:
+                return StopCondition.NONE
+            if pressed:
+                path.open_gate()
+                return StopCondition.NONE
+            return StopCondition.SINGLE_BLOCK | StopCondition.WAIT_CONTINUE
+        if gate.reason is GateReason.WAIT:
+            if not path.functions_before_gate and not self.waiting_functions:
+                path.open_gate()
+                return StopCondition.NONE
+            if not path.at_gate:
+                return StopCondition.NONE
+            spindle = all(waiting.sent is None or waiting.sent.done for waiting in self._waiting)
+            return StopCondition.WAIT_SPINDLE if spindle else StopCondition.WAIT_TECHNOLOGY
+        if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
+            path.open_gate()
+            return StopCondition.NONE
+        if not path.at_gate:
+            return StopCondition.NONE
+        if gate.reason is GateReason.DWELL:
+            return self._dwell(gate.seconds)
+        if gate.reason is GateReason.PROGRAM_END:
+            if self.waiting_functions:
+                return StopCondition.WAIT_TECHNOLOGY
+            self._event(EventKind.BLOCK_END, gate.line, gate.n)
+            path.open_gate()
+            self._clear()
+            return StopCondition.NONE
+        if pressed:
+            path.open_gate()
+            return StopCondition.NONE
+        return StopCondition.WAIT_CONTINUE
+
+    def _dwell(self, seconds: float) -> StopCondition:
+        if self._dwell_left < 0.0:
+            self._dwell_left = seconds
+        self._dwell_left -= self.period
+        if self._dwell_left > 0.5 * self.period:
+            return StopCondition.DWELL
+        self._dwell_left = -1.0
+        self.interpolator.open_gate()
+        return StopCondition.NONE
+
+    # ------------------------------------------------------------------ technology functions
+
+    def _pass(self, record: QueueRecord, index: int) -> None:
+        if record.kind is RecordKind.FUNCTION:
+            if self._overflow or not self._put_out(record):
+                self._overflow.append(index)
+        elif record.kind is RecordKind.BLOCK_END:
+            self.block_counter += 1
+
+    def _put_out_overflow(self) -> None:
+        while self._overflow and self._put_out(self.queue.record(self._overflow[0])):
+            self._overflow.popleft()
+
+    def _put_out(self, record: QueueRecord) -> bool:
+        """Hand a function to the PLC and to the spindle it concerns; FALSE if there is no free unit."""
+        kind, waits = record.technology, bool(record.synch & _WAITING)
+        spindle = self.spindles[record.spindle] if record.spindle >= 0 else None
+        sent: Sent | None = None
+        if spindle is None or record.synch & Synch.PLC_INFO:
+            port = self.port if spindle is None else self.spindle_ports[record.spindle]
+            sent = port.put(_to_interface(record, spindle))
+            if sent is None:
+                return False
+        if spindle is not None:
+            spindle.command(record.number, record.value)
+            self._event(EventKind.SPINDLE, record.line, record.n, record.number, record.value, axis=spindle.index)
+        self._event(_OUT[kind], record.line, record.n, record.number, record.value)
+        if waits:
+            self._waiting.append(_Waiting(kind, record.number, record.line, record.n, spindle, sent))
+        return True
+
+    def _acknowledge(self, speeds: Floats) -> None:
+        """Take from the waiting list what the PLC has done and what the spindles have reached."""
+        self.port.poll()
+        for port in self.spindle_ports:
+            port.poll()
+        if not self._waiting:
+            return
+        left: list[_Waiting] = []
+        for waiting in self._waiting:
+            spindle = waiting.spindle
+            told = waiting.sent is None or waiting.sent.done
+            if told and (spindle is None or spindle.reached(speeds[spindle.index])):
+                self._event(_ACK[waiting.kind], waiting.line, waiting.n, waiting.number)
+            else:
+                left.append(waiting)
+        self._waiting = left
+
+    # ------------------------------------------------------------------ events
+
+    def _trace_block(self) -> None:
+        """Block start and end events for the elements that were entered in this cycle."""
+        index = self.interpolator.index
+        if index == self._traced_index or index < 0:
+            return
+        path = self.interpolator
+        if self._traced_index >= 0:
+            old = self.queue.record(self._traced_index)
+            self._event(EventKind.BLOCK_END, old.line, old.n)
+        self._traced_index = index
+        self._event(EventKind.BLOCK_START, path.line, path.n)
+
+    def _event(
+        self, kind: EventKind, line: int, n: int | None, number: int = 0, value: float = 0.0, axis: int = -1
+    ) -> None:
+        self.events.put(
+            Event(
+                t=self._time,
+                cycle=self._cycle,
+                kind=kind,
+                line=line,
+                n=n,
+                number=number,
+                value=value,
+                path_pos=self.interpolator.path_position,
+                axis=axis,
+            )
+        )
+
+
+def _to_interface(record: QueueRecord, spindle: Spindle | None) -> Function:
+    """A function in the interface's whole numbers; the value of S is a speed, that of M and H goes over as it is."""
+    if spindle is None:
+        value, revolutions = round(record.value), 0
+    else:
+        value, revolutions = 0, min(round(record.value * DEGREES_PER_SECOND * 1e3), INT32)
+    return Function(
+        kind=int(record.technology),
+        number=record.number,
+        value=max(-INT32, min(value, INT32)),
+        synch=int(record.synch),
+        line=record.line,
+        block_number=-1 if record.n is None else record.n,
+        revolutions=revolutions,
+    )

@@ -1,0 +1,228 @@
+"""Runs of plain blocks → polylines: what the scan kernel has read meets the modal state here, at execution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from runtime.cnc.blocks import Floats, Polyline
+from runtime.cnc.language.errors import ProgramError
+from runtime.cnc.language.isg.modal import ModalState, Motion
+from runtime.cnc.language.isg.program import Unit
+from runtime.cnc.language.isg.scan import NO_MOTION, Ints, PlainRows, PlainScanner
+from runtime.cnc.language.text import WINDOW
+from runtime.diagnostics.catalogue import language as catalogue
+from runtime.kernels import kernel, warms
+
+CHUNK = 4096  # moves per polyline
+_KEPT_LINES = 1024  # runs up to this length stay scanned, for loops
+_KEPT_RUNS = 256
+
+
+@kernel
+def trace_plain(
+    values: Floats,
+    given: Ints,
+    motion: Ints,
+    feed: Floats,
+    number: Ints,
+    first: int,
+    count: int,
+    first_line: int,
+    mode: int,
+    feed_now: float,
+    incremental: bool,
+    factor: Floats,
+    feed_factor: float,
+    offset: Floats,
+    limit: float,
+    position: Floats,
+    points: Floats,
+    feeds: Floats,
+    lines: Ints,
+    numbers: Ints,
+) -> tuple[int, int, int, float]:
+    """Trace the rows `first` to before `count` from `position` on, which is moved along.
+
+    `mode` 0 or 1 is the path condition, above 1 a circle; `feed_now` in mm/min, NaN for none. Stops in front of a row
+    that needs the full decoder (a circle, a missing or wrong feed, a position out of range) and when `feeds` is full.
+    Returns the next row, the count of moves, mode and feed. `points` gets the position before the first move first.
+    """
+    axes = position.size
+    moves = 0
+    points[0] = position
+    row = first
+    while row < count and moves < feeds.size:
+        mode_here = mode if motion[row] == NO_MOTION else motion[row]
+        feed_here = feed_now
+        if not np.isnan(feed[row]):
+            feed_here = feed[row] * feed_factor
+            if not feed_here >= 0:
+                break
+        bits = given[row]
+        if bits != 0:
+            if mode_here > 1 or (mode_here == 1 and not feed_here > 0):
+                break
+            inside = True
+            for axis in range(axes):
+                target = position[axis]
+                if bits & (1 << axis):
+                    programmed = values[row, axis] * factor[axis]
+                    target = target + programmed if incremental else programmed + offset[axis]
+                    if not (abs(target) <= limit and abs(programmed) <= limit):
+                        inside = False
+                points[moves + 1, axis] = target
+            if not inside:
+                break
+            for axis in range(axes):
+                position[axis] = points[moves + 1, axis]
+            feeds[moves] = np.inf if mode_here == 0 else feed_here
+            lines[moves] = first_line + row
+            numbers[moves] = number[row]
+            moves += 1
+        mode = mode_here
+        feed_now = feed_here
+        row += 1
+    return row, moves, mode, feed_now
+
+
+@dataclass(frozen=True, slots=True)
+class NeedsFull:
+    """The line that the polyline could not take: to be executed by the full decoder, then the run goes on."""
+
+    offset: int
+    line: int
+
+
+class PlainRuns:
+    """Executes runs of plain blocks of one decoder."""
+
+    def __init__(self, axes: tuple[str, ...], limit: float) -> None:
+        self._axes = axes
+        self._limit = limit
+        self._scanners: dict[int, PlainScanner] = {}
+        self._kept: dict[tuple[int, int], tuple[PlainRows, int]] = {}
+
+    def run(
+        self, unit: Unit, entry: int, modal: ModalState, position: Floats, factor: Floats, offset: Floats
+    ) -> Iterator[Polyline | NeedsFull]:
+        """The polylines of a run; `modal` and `position` follow. Whoever gets a NeedsFull executes it before going on.
+
+        `factor` (n,) multiplies programmed coordinates, `offset` (n,) is added to absolute ones.
+        """
+        line = unit.lines[entry]
+        for rows, count, base in self._rows(unit, entry):
+            yield from self._trace(unit, rows, count, base, line, modal, position, factor, offset)
+            line += count
+
+    def _rows(self, unit: Unit, entry: int) -> Iterator[tuple[PlainRows, int, int]]:
+        """Scanned rows of the run, how many, and the file offset that their starts count from."""
+        key = (id(unit), entry)
+        left, offset = unit.counts[entry], unit.offsets[entry]
+        if key in self._kept:
+            rows, base = self._kept[key]
+            yield rows, left, base
+            return
+        scanner = self._scanners.setdefault(id(unit), PlainScanner(unit.addresses, CHUNK))
+        keep = left <= _KEPT_LINES
+        size = 1 << 16 if keep else WINDOW
+        window, base, position = unit.text.window(offset, size), offset, 0
+        while left > 0:
+            final = base + window.size >= unit.text.size
+            count, end, stopped = scanner.scan(window, position, final)
+            count = min(count, left)
+            if count == 0 and (stopped or final):  # these lines were plain when the program was checked
+                raise ProgramError(catalogue.FILE_CHANGED, unit.place(0), file=unit.text.name)
+            if count == 0:
+                window, base, position = unit.text.window(base + position, WINDOW), base + position, 0
+                continue
+            rows = scanner.rows
+            if keep and count == left and left == unit.counts[entry]:
+                rows = scanner.rows.head(count)
+                if len(self._kept) >= _KEPT_RUNS:
+                    self._kept.clear()
+                self._kept[key] = (rows, base)
+            left -= count
+            position = end
+            yield rows, count, base
+
+    def _trace(
+        self,
+        unit: Unit,
+        rows: PlainRows,
+        count: int,
+        base: int,
+        line: int,
+        modal: ModalState,
+        position: Floats,
+        factor: Floats,
+        offset: Floats,
+    ) -> Iterator[Polyline | NeedsFull]:
+        first = 0
+        while first < count:
+            room = min(CHUNK, count - first)
+            points = np.empty((room + 1, len(self._axes)))
+            feeds, lines, numbers = np.empty(room), np.empty(room, np.int64), np.empty(room, np.int64)
+            following, moves, mode, feed = trace_plain(
+                rows.values,
+                rows.given,
+                rows.motion,
+                rows.feed,
+                rows.number,
+                first,
+                count,
+                line,
+                int(modal.motion),
+                np.nan if modal.feed is None else modal.feed,
+                modal.incremental,
+                factor,
+                25.4 if modal.inch else 1.0,
+                offset,
+                self._limit,
+                position,
+                points,
+                feeds,
+                lines,
+                numbers,
+            )
+            modal.motion = Motion(int(mode))
+            modal.feed = None if np.isnan(feed) else float(feed)
+            if moves:
+                yield Polyline(
+                    unit.name,
+                    points[: moves + 1],
+                    feeds[:moves],
+                    lines[:moves],
+                    numbers[:moves],
+                    offset.copy(),
+                )
+            first = int(following)
+            if first < count and moves < room:
+                yield NeedsFull(base + int(rows.starts[first]), line + first)
+                first += 1
+
+
+@warms("plain runs")
+def _warm() -> None:
+    rows = PlainRows.empty(1, 3)
+    zeros = np.zeros(3)
+    trace_plain(
+        *rows[:5],
+        0,
+        1,
+        1,
+        1,
+        100.0,
+        False,
+        np.ones(3),
+        1.0,
+        zeros,
+        1e6,
+        np.zeros(3),
+        np.zeros((2, 3)),
+        np.zeros(1),
+        np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
+    )

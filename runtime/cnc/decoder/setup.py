@@ -1,0 +1,174 @@
+"""What the decoder needs to know of the channel, from the machine description."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.language.addresses import Addresses
+from runtime.config.machine import AxisType, Machine
+from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.errors import Place, TandemError
+
+ZERO_OFFSETS = range(53, 60)
+CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
+CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
+
+_FLAGS = Synch.PLC_INFO
+_SUPPORTED = (Synch.NO_SYNCH, Synch.MOS, Synch.MVS_SVS, Synch.MVS_SNS, Synch.MNS_SNS)
+# All types of P-CHAN-00041 (channel parameters line 1838), also those that are still to come.
+_KNOWN: dict[str, int] = {
+    "NOT_VALID": -1,
+    "NO_SYNCH": 0x0,
+    "MOS": 0x1,
+    "MVS_SVS": 0x2,
+    "MVS_SNS": 0x4,
+    "MNS_SNS": 0x8,
+    "MNE_SNS": 0x20,
+    "MVS_SLM": 0x4000,
+    "MVS_SLP": 0x8000,
+    "PLC_INFO": 0x20000,
+    "MOS_TS": 0x40000,
+    "MEP_MOS": 0x100000,
+    "MET_MOS": 0x200000,
+    "BWD_SYNCH": 0x400000,
+    "FWD_SYNCH": 0x800000,
+    "MEP_SVS": 0x1000000,
+    "MET_SVS": 0x2000000,
+    "FAW_SYNCH": 0x10000000,
+}
+_NOT_VALID_VALUES = (-1, 0x80000000, 0xFFFFFFFF)
+
+
+class DecoderSetupError(TandemError):
+    """The channel cannot be set up as configured."""
+
+
+def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
+    """A synchronisation type from names joined by "|" or a hexadecimal (or decimal) value.
+
+    Exactly one type is allowed, PLC_INFO beside it. DecoderSetupError names `parameter`.
+    """
+    value = 0
+    parts = [part.strip() for part in text.split("|")]
+    for part in parts:
+        if part.upper() in _KNOWN:
+            number = _KNOWN[part.upper()]
+        else:
+            try:
+                number = int(part, 0)
+            except ValueError:
+                raise DecoderSetupError(
+                    catalogue.SYNCH_UNKNOWN, Place(), parameter=parameter, text=text, known=", ".join(_KNOWN)
+                ) from None
+        if number in _NOT_VALID_VALUES:
+            if len(parts) > 1:
+                break
+            return Synch.NOT_VALID
+        if number < 0:
+            break
+        value |= number
+    else:
+        known = 0
+        for bits in _KNOWN.values():
+            known |= max(bits, 0)
+        if value & ~known:
+            raise DecoderSetupError(
+                catalogue.SYNCH_UNKNOWN, Place(), parameter=parameter, text=text, known=", ".join(_KNOWN)
+            )
+        if value & ~_FLAGS in [int(synch) for synch in _SUPPORTED]:
+            return Synch(value)
+    supported = ", ".join(str(synch.name) for synch in (*_SUPPORTED, _FLAGS))
+    raise DecoderSetupError(catalogue.SYNCH_UNSUPPORTED, Place(), parameter=parameter, text=text, supported=supported)
+
+
+@dataclass(frozen=True, slots=True)
+class SpindleSetup:
+    """A spindle of the channel with the synchronisation of its functions: `m` for M3, M4, M5."""
+
+    name: str
+    s: Synch = Synch.NO_SYNCH
+    m: Mapping[int, Synch] = field(default_factory=lambda: {3: Synch.NO_SYNCH, 4: Synch.NO_SYNCH, 5: Synch.NO_SYNCH})
+
+
+@dataclass(frozen=True, slots=True)
+class DecoderSetup:
+    """The channel as the decoder sees it; n axes in channel order, the first three are the main axes.
+
+    `linear` tells which axes are linear (inch applies to them only). `zero_offsets` maps 53…59 to mm or degrees,
+    shape (n,). `m_synch` and `h_synch` hold the usable functions. `feed` is the feed at program start in mm/min, 0
+    for none. `centre_shift` (mm) and `centre_shift_share` (of the radius) bound the correction of circle centres.
+    """
+
+    axes: tuple[str, ...]
+    linear: tuple[bool, ...]
+    spindles: tuple[SpindleSetup, ...] = ()
+    zero_offsets: Mapping[int, Floats] = field(default_factory=dict)
+    m_synch: Mapping[int, Synch] = field(default_factory=dict)
+    h_synch: Mapping[int, Synch] = field(default_factory=dict)
+    tool_synch: Synch = Synch.NO_SYNCH
+    program_paths: tuple[Path, ...] = ()
+    feed: float = 0.0
+    centre_shift: float = CENTRE_SHIFT
+    centre_shift_share: float = CENTRE_SHIFT_SHARE
+
+    @classmethod
+    def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
+        """The setup of a channel of the machine; DecoderSetupError for synchronisation types that cannot be used."""
+        described = machine.channels[channel]
+        parameters = described.parameters
+        offsets = {}
+        for number in ZERO_OFFSETS:
+            values = described.zero_offsets.get(f"G{number}", {})
+            offsets[number] = np.array([values.get(axis, 0.0) for axis in described.axes])
+        spindles = tuple(
+            SpindleSetup(
+                spindle.bezeichnung,
+                parse_synch(spindle.s_synch, f"spindel[{i}].s_synch"),
+                {
+                    3: parse_synch(spindle.m3_synch, f"spindel[{i}].m3_synch"),
+                    4: parse_synch(spindle.m4_synch, f"spindel[{i}].m4_synch"),
+                    5: parse_synch(spindle.m5_synch, f"spindel[{i}].m5_synch"),
+                },
+            )
+            for i, spindle in enumerate(parameters.spindel)
+        )
+        return cls(
+            axes=described.axes,
+            linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
+            spindles=spindles,
+            zero_offsets=offsets,
+            m_synch=_table(parameters.m_synch, "m_synch"),
+            h_synch=_table(parameters.h_synch, "h_synch"),
+            tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
+            program_paths=tuple(Path(folder) for folder in described.program_paths),
+            feed=parameters.prog_start.feedrate,
+        )
+
+    @property
+    def addresses(self) -> Addresses:
+        """The names that programs of this channel may use."""
+        return Addresses(
+            self.axes,
+            tuple(spindle.name for spindle in self.spindles),
+            frozenset(self.m_synch),
+            frozenset(self.h_synch),
+        )
+
+    def zero_offset(self, number: int) -> Floats:
+        """The offset of G53…G59, shape (n,)."""
+        offset = self.zero_offsets.get(number)
+        return np.zeros(len(self.axes)) if offset is None else offset
+
+    def inch_factors(self, inch: bool) -> Floats:
+        """What programmed coordinates are multiplied with, shape (n,)."""
+        return np.array([25.4 if inch and linear else 1.0 for linear in self.linear])
+
+
+def _table(texts: Mapping[int, str], name: str) -> dict[int, Synch]:
+    table = {number: parse_synch(text, f"{name}[{number}]") for number, text in texts.items()}
+    return {number: synch for number, synch in table.items() if synch != Synch.NOT_VALID}

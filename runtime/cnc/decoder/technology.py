@@ -1,0 +1,127 @@
+"""M, H, S and T of a block: which functions are put out, with which synchronisation, before or behind the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from runtime.cnc.blocks import Block, Source, StopKind, Synch, Technology, TechnologyFunction, Wait
+from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.compiler import CompiledBlock, FunctionSlots, Values
+from runtime.cnc.language.isg.functions import round_half_up
+from runtime.cnc.language.isg.modal import ModalState
+from runtime.cnc.language.isg.parser import INTERNAL_M, SPINDLE_M, check_function
+from runtime.cnc.language.isg.words import WordKind
+from runtime.diagnostics.catalogue import language as catalogue
+
+STOPS = {0: StopKind.PROGRAMMED, 1: StopKind.OPTIONAL}
+PROGRAM_END = (2, 30)
+SUBPROGRAM_END = (17, 29)
+VALUE_LIMIT = 2**31 - 1  # additional values are signed 32 bit integers
+
+
+class Functions:
+    """The functions of one block, sorted by their place in the stream."""
+
+    __slots__ = ("after", "before", "ending", "stops", "wait_after", "wait_before")
+
+    def __init__(self) -> None:
+        self.before: list[Block] = []
+        self.after: list[Block] = []
+        self.wait_before = False
+        self.wait_after = False
+        self.stops: list[StopKind] = []
+        self.ending = -1  # number of the M function that ends the program or subprogram
+
+    def add(self, function: TechnologyFunction) -> None:
+        """Sort a function in by its synchronisation type."""
+        kind = function.synch & ~Synch.PLC_INFO
+        if kind == Synch.MNS_SNS:
+            self.after.append(function)
+        else:
+            self.before.append(function)
+        self.wait_before |= kind == Synch.MVS_SVS
+        self.wait_after |= kind in (Synch.MVS_SNS, Synch.MNS_SNS)
+
+    def in_order(self, source: Source, motion: Iterable[Block]) -> list[Block]:
+        """Everything of the block: functions before the motion, the motion, functions behind it, with their waits."""
+        out = list(self.before)
+        if self.wait_before:
+            out.append(Wait(source))
+        out += motion
+        out += self.after
+        if self.wait_after:
+            out.append(Wait(source))
+        return out
+
+
+def functions_of(
+    block: CompiledBlock, values: Values, source: Source, setup: DecoderSetup, modal: ModalState
+) -> Functions:
+    """The functions of a block: T, spindle, M, H, whatever their order in the text, so that a tool change knows its
+    tool.
+
+    S is entered into the modal state. Raises LineError.
+    """
+    functions = Functions()
+    spindle_m = -1
+    if block.speed >= 0:
+        speed = values[block.speed]
+        if not 0 <= speed <= VALUE_LIMIT:
+            raise LineError(catalogue.SPEED_NEGATIVE, block.column(WordKind.SPEED), value=speed)
+        modal.speed = speed
+    if block.tool >= 0:
+        tool = values[block.tool]
+        if not 0 <= tool <= VALUE_LIMIT:
+            raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
+        if setup.tool_synch != Synch.NO_SYNCH:
+            functions.add(TechnologyFunction(source, Technology.T, round_half_up(tool), 0.0, setup.tool_synch))
+    numbers = [_number(slots, values, setup) for slots in block.m]
+    for slots, number in zip(block.m, numbers, strict=True):
+        if number in SPINDLE_M:
+            if spindle_m >= 0:
+                raise LineError(catalogue.SPINDLE_M_TWICE, slots.word.column, number=number, other=spindle_m)
+            spindle_m = number
+            _spindle(functions, setup.spindles[0].m[number], number, modal, source, slots.word.column)
+    if block.speed >= 0 and spindle_m < 0:  # with a spindle M function, only the synchronisation of that one counts
+        _spindle(functions, setup.spindles[0].s, 0, modal, source, block.column(WordKind.SPEED))
+    for slots, number in zip(block.m, numbers, strict=True):
+        if number in SPINDLE_M:
+            continue
+        if number in STOPS:
+            functions.stops.append(STOPS[number])
+        elif number in PROGRAM_END or number in SUBPROGRAM_END:
+            functions.ending = number
+        synch = setup.m_synch.get(number, Synch.NO_SYNCH) if number in INTERNAL_M else setup.m_synch[number]
+        if synch != Synch.NO_SYNCH:
+            functions.add(TechnologyFunction(source, Technology.M, number, _extra(slots, values), synch))
+    for slots in block.h:
+        number = _number(slots, values, setup)
+        if setup.h_synch[number] != Synch.NO_SYNCH:
+            value = _extra(slots, values)
+            functions.add(TechnologyFunction(source, Technology.H, number, value, setup.h_synch[number]))
+    return functions
+
+
+def _spindle(functions: Functions, synch: Synch, number: int, modal: ModalState, source: Source, column: int) -> None:
+    """A function of the main spindle. It is put out with NO_SYNCH too: the spindle axis, not only the PLC, needs it."""
+    if synch == Synch.NOT_VALID:
+        raise LineError(catalogue.SPINDLE_LOCKED, column, word=f"M{number}" if number else "S")
+    functions.add(TechnologyFunction(source, Technology.S, number, modal.speed, synch, 0))
+
+
+def _number(slots: FunctionSlots, values: Values, setup: DecoderSetup) -> int:
+    if slots.word.value is not None and slots.word.value.constant is not None:
+        return round_half_up(values[slots.number])  # checked when the program was read
+    return check_function(slots.word, values[slots.number], setup.addresses)
+
+
+def _extra(slots: FunctionSlots, values: Values) -> float:
+    if slots.extra < 0:
+        return 0.0
+    value = values[slots.extra]
+    if not abs(value) <= VALUE_LIMIT:
+        raise LineError(
+            catalogue.RESULT_RANGE, slots.word.column, value=value, name=f"additional value of {slots.word.kind.name}"
+        )
+    return float(round_half_up(value))

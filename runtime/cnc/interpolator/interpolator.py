@@ -1,0 +1,211 @@
+"""The interpolator of a channel: from the motion queue to one commanded position per cycle.
+
+    interpolator.step(override=1.0, feed_hold=False, single_block=False)
+    axes.target[:] = interpolator.position
+    for index in interpolator.passed: ...put out functions, tell block ends...
+    if interpolator.gate >= 0 and acknowledged: interpolator.open_gate()
+
+Everything that must react at once (override, feed hold, gates, abort) is an argument of the next step; there is no other state
+than where the path is and how fast it goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.interpolator import cycle as c
+from runtime.cnc.motion_queue import MAX_AXES, MotionQueue
+
+Floats = npt.NDArray[np.float64]
+
+GREATEST_OVERRIDE = 2.0
+
+
+class Interpolator:
+    """Follows the path in `queue`, one `period` (s) per step, from machine `position` (n_axes,).
+
+    The limits of the axes are in the records of the queue (`path_preparation`); `axes` has to be what they were made with.
+    `position` and `velocity` (n_axes,) are arrays of this object that each step overwrites: copy what is to be kept.
+    """
+
+    def __init__(self, queue: MotionQueue, axes: AxisLimits, period: float, position: Floats) -> None:
+        if axes.n != queue.n_axes or len(position) != queue.n_axes:
+            raise ValueError(f"queue has {queue.n_axes} axes, limits {axes.n}, position {len(position)}")
+        self.queue = queue
+        self.axes = axes
+        self.period = period
+        self._n = queue.n_axes
+        self._q = np.zeros(MAX_AXES)
+        self._dq = np.zeros(MAX_AXES)
+        self.position: Floats = self._q[: self._n]
+        self.velocity: Floats = self._dq[: self._n]
+        self._f = np.zeros(c.FLOAT_STATE)
+        self._i = np.zeros(c.INT_STATE, dtype=np.int64)
+        self._passed = np.zeros(c.PASSED, dtype=np.int64)
+        self._real, self._whole = c.scratch()
+        self.restart(position)
+
+    def restart(self, position: Floats) -> None:
+        """Begin anew at `position` with what the queue holds from its `read` on; path position 0."""
+        self._f[:] = 0.0
+        self._i[:] = 0
+        self._dq[:] = 0.0
+        self._q[: self._n] = position
+        read = self.queue.read
+        for place in (c.CUR, c.REPORTED, c.HORIZON, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
+            self._i[place] = read
+        self._i[c.OPENED] = read - 1
+        for place in (c.SINGLE_GATE, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
+            self._i[place] = -1
+        self._i[c.STANDSTILL] = 1
+        self._shown = (-1, 0, -1, -1)
+
+    def step(self, *, override: float, feed_hold: bool, single_block: bool) -> None:
+        """One cycle. `override` 1.0 is 100 %, taken within 0…200 %."""
+        c.cycle(
+            self.queue.records,
+            self.queue.counters,
+            self._n,
+            self.period,
+            min(max(float(override), 0.0), GREATEST_OVERRIDE),
+            bool(feed_hold),
+            bool(single_block),
+            self._f,
+            self._i,
+            self._q,
+            self._dq,
+            self._passed,
+            self._real,
+            self._whole,
+        )
+
+    # ------------------------------------------------------------------ the path
+
+    @property
+    def path_velocity(self) -> float:
+        """mm/s along the path."""
+        return float(self._f[c.V])
+
+    @property
+    def path_acceleration(self) -> float:
+        """mm/s² along the path."""
+        return float(self._f[c.A])
+
+    @property
+    def path_position(self) -> float:
+        """Way since `restart` or `reset_path_position`, mm."""
+        return float(self._f[c.PATH])
+
+    def reset_path_position(self) -> None:
+        """Count the way from here."""
+        self._f[c.PATH] = 0.0
+
+    @property
+    def remaining(self) -> float:
+        """Way to the end of the present element, mm."""
+        return max(float(self._f[c.LENGTH] - self._f[c.S_IN]), 0.0)
+
+    @property
+    def covered(self) -> float:
+        """Share of the present element that lies behind, 0…1."""
+        length = float(self._f[c.LENGTH])
+        return min(float(self._f[c.S_IN]) / length, 1.0) if length > 0.0 else 1.0
+
+    # ------------------------------------------------------------------ the record being executed
+
+    @property
+    def index(self) -> int:
+        """Absolute queue index of the record being executed, or of the last one executed; -1 before the first."""
+        return int(self._i[c.SHOWN])
+
+    def _source(self) -> tuple[int, int, int, int]:
+        index = int(self._i[c.SHOWN])
+        if index != self._shown[0] and index >= self.queue.read:
+            record = self.queue.record(index)
+            self._shown = (index, int(record["line"]), int(record["n"]), int(record["program"]))
+        return self._shown
+
+    @property
+    def line(self) -> int:
+        """Source line of the record being executed, 0 before the first."""
+        return self._source()[1]
+
+    @property
+    def n(self) -> int:
+        """Block number of the record being executed, -1 if there is none."""
+        return self._source()[2]
+
+    @property
+    def program(self) -> int:
+        """Program id of the record being executed (`MotionQueue.program_name`), -1 before the first."""
+        return self._source()[3]
+
+    @property
+    def passed(self) -> Sequence[int]:
+        """Absolute indices of the functions, element ends and block ends passed in this step, in order.
+
+        At most 256; what was passed beyond that is told in the next steps. Their records stay valid until the next step.
+        """
+        return self._passed[: self._i[c.PASSED_COUNT]].tolist()  # type: ignore[no-any-return]
+
+    # ------------------------------------------------------------------ gates
+
+    @property
+    def gate(self) -> int:
+        """Absolute index of the next closed gate in what is known, -1 if there is none.
+
+        In single block also the next block end, or the segment of a polyline, at which the path can still stop.
+        """
+        return int(self._i[c.GATE_INDEX])
+
+    @property
+    def at_gate(self) -> bool:
+        """The path stands at `gate`, exactly."""
+        return bool(self._i[c.AT_GATE])
+
+    @property
+    def functions_before_gate(self) -> bool:
+        """Functions between here and `gate` have still to be passed."""
+        return bool(self._i[c.FUNCTIONS])
+
+    def open_gate(self) -> None:
+        """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step."""
+        if self._i[c.GATE_INDEX] >= 0:
+            self._i[c.OPENED] = self._i[c.GATE_INDEX]
+            self._i[c.GATE_INDEX] = -1
+            self._i[c.AT_GATE] = 0
+
+    # ------------------------------------------------------------------ state
+
+    @property
+    def standstill(self) -> bool:
+        """The path did not move in this step."""
+        return bool(self._i[c.STANDSTILL])
+
+    @property
+    def starved(self) -> bool:
+        """Standing or braking because nothing more is known, in the middle of a program."""
+        return bool(self._i[c.STARVED])
+
+    @property
+    def apart(self) -> bool:
+        """The next element doesn't start where the axes stand: nothing moves until `restart`."""
+        return bool(self._i[c.APART])
+
+    @property
+    def overflows(self) -> int:
+        """Cycles whose profile needed more pieces than foreseen; for diagnosis, 0 is right."""
+        return int(self._f[c.OVERFLOWS])
+
+    def abort(self) -> None:
+        """Brake on the path to standstill and stay there until `restart`."""
+        self._i[c.ABORTING] = 1
+
+    @property
+    def aborted(self) -> bool:
+        """`abort` was called and the path stands."""
+        return bool(self._i[c.ABORTING]) and float(self._f[c.V]) == 0.0

@@ -1,0 +1,257 @@
+"""How one cycle is driven: as fast as every constraint ahead allows, with bounded jerk. Kernels.
+
+State on the path: s (mm from where the cycle began), v, a. Ahead lie constraints, each a place d and what must hold there:
+
+      v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
+        │ ─────╮
+        │       ╲    SPEED: at d the path velocity must not exceed x (corner, slower element, feed of the next block)
+        │        ╲___o
+        │             ╲   STOP: at d the path stands (closed gate, end of what is known)
+        └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
+
+The braking to a constraint is the third-order one: jerk -J down to -A, hold, jerk +J so that v = x and a = 0 are reached
+together. Its length has a closed form, so nothing needs a grid: `slack` = d - braking distance, and a state is safe when no
+slack is negative. For limits that don't grow towards the far constraints (the look-ahead sees to that) this is sufficient for
+all of them together: braking for the slowest one stays below the braking curves of all others.
+
+A cycle is cut where the jerk changes:  accelerate with +J until some slack is 0 (found by bisection: slack falls
+steadily while accelerating), from there follow that constraint's braking through its exact switching times, until it is
+fulfilled, and so on. Braking curves are thus followed without chatter, and a stop lands on its place.
+
+Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted braking is
+chosen; the others remain safe, since braking harder never endangers them.
+
+Units: mm, s (degrees where only rotary axes move).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.kernels import kernel, warms
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+# kinds of constraints
+NOW, SPEED, STOP, REDUCE = 0, 1, 2, 3
+
+TOLERANCE = 1e-9  # mm of slack taken as zero
+STEPS = 32  # pieces of one cycle; a few are used
+ARRIVED = 1e-7  # mm: standing so near to a stop is standing on it
+NEVER = 1e30
+
+
+@kernel
+def reduce_distance(v: float, a: float, x: float, J: float) -> float:
+    """Way while the acceleration falls from `a` to `x` ≤ a with jerk -J."""
+    t = (a - x) / J
+    return v * t + a * t * t / 2.0 - J * t * t * t / 6.0
+
+
+@kernel
+def brake_distance(v: float, a: float, target: float, A: float, J: float) -> float:
+    """Way until velocity `target` is reached with zero acceleration, braking with at most A and J.
+
+    A positive `a` is taken back first. A negative one is understood as the middle of a braking that began at
+    v + a²/2J with zero acceleration: the length of the whole, less the part that lies behind. If the velocity is already
+    below what the taking back of `a` needs, the distance is that of taking it back.
+    """
+    way = 0.0
+    if a > 0.0:
+        way = reduce_distance(v, a, 0.0, J)
+        v += a * a / (2.0 * J)
+        a = 0.0
+    t_a = -a / J
+    top = v + a * a / (2.0 * J)
+    drop = top - target
+    if drop <= 0.0:
+        return way
+    if v - target <= a * a / (2.0 * J):
+        return way + v * t_a - J * t_a * t_a * t_a / 3.0
+    A = max(A, -a)
+    if drop <= A * A / J:
+        t = 2.0 * math.sqrt(drop / J)
+    else:
+        t = drop / A + A / J
+    return way + (top + target) / 2.0 * t - (top * t_a - J * t_a * t_a * t_a / 6.0)
+
+
+@kernel
+def slack(kind: int, d: float, x: float, A: float, J: float, v: float, a: float, period: float) -> float:
+    """How far the state is from having to react to a constraint, mm; negative: it can't be met any more.
+
+    Where the velocity stays below x anyway, or the acceleration below x, the slack is made of what is missing to x
+    (times the period), so that it reaches zero together with it.
+    """
+    if kind == REDUCE:
+        if a <= x:
+            return max(d, 0.0) + (x - a) * period * period
+        return d - reduce_distance(v, a, x, J)
+    if kind == NOW:
+        d = 0.0
+    top = v + a * a / (2.0 * J) if a > 0.0 else v
+    if top <= x:
+        if a > 0.0:
+            d -= reduce_distance(v, a, 0.0, J)
+        return max(d, 0.0) + (x - top) * period
+    return d - brake_distance(v, a, x, A, J)
+
+
+@kernel
+def reaction(kind: int, d: float, x: float, A: float, J: float, v: float, a: float) -> tuple[float, float]:
+    """Jerk that a constraint without slack asks for, and for how long (s) before it asks for something else."""
+    if kind == REDUCE:
+        if a - x > 1e-9 * x:
+            return -J, (a - x) / J
+        return 0.0, (max(d, 0.0) + TOLERANCE) / v if v > 1e-9 and kind != NOW else NEVER
+    if a > 0.0:
+        return -J, a / J
+    drop = v - x
+    release = a * a / (2.0 * J)
+    if drop > release + 1e-9:
+        A = max(A, -a)
+        whole = drop + release
+        if whole <= A * A / J:
+            t = (math.sqrt(whole * J) + a) / J
+            if t > 1e-10:
+                return -J, t
+        elif A + a > 1e-6:
+            return -J, (A + a) / J
+        else:
+            t = (drop - release) / A
+            if t > 1e-10:
+                return 0.0, t
+    if a < 0.0:
+        return J, -a / J
+    if kind == SPEED and v > 1e-9:
+        return 0.0, (max(d, 0.0) + TOLERANCE) / v  # over the place, then it is behind
+    return 0.0, NEVER
+
+
+@kernel
+def is_safe(
+    count: int,
+    kind: Ints,
+    d: Floats,
+    x: Floats,
+    A: Floats,
+    J: Floats,
+    state: Ints,
+    s: float,
+    v: float,
+    a: float,
+    T: float,
+) -> bool:
+    """Whether no constraint with state 1 (watched) is violated at (s, v, a)."""
+    for i in range(count):
+        if state[i] == 1 and slack(kind[i], d[i] - s, x[i], A[i], J[i], v, a, T) < -TOLERANCE:
+            return False
+    return True
+
+
+@kernel
+def drive(
+    T: float,
+    v: float,
+    a: float,
+    A_up: float,
+    J_up: float,
+    count: int,
+    kind: Ints,
+    d: Floats,
+    x: Floats,
+    A: Floats,
+    J: Floats,
+    state: Ints,
+    result: Floats,
+) -> int:
+    """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or -1.
+
+    Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind, 1 watched, 2 binding.
+    `result[3]` counts cycles that needed more than `STEPS` pieces (none is known).
+    """
+    # Whatever happens in this cycle lies below accelerating from max(a, 0) with +J: what is safe there needs no watching.
+    a_top = max(a, 0.0) + J_up * T
+    v_top = v + a_top * T
+    s_top = v_top * T
+    for i in range(count):
+        near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], v_top, a_top, T) <= TOLERANCE
+        state[i] = 1 if near else 0
+    s = 0.0
+    left = T
+    braked = -1
+    for _ in range(STEPS):
+        jerk, t = NEVER, NEVER
+        for i in range(count):
+            if state[i] == 0:
+                continue
+            way = d[i] - s
+            if v == 0.0 and a == 0.0 and kind[i] != NOW and kind[i] != REDUCE and 0.0 < way < ARRIVED:
+                s = d[i]  # standing before a full stop by a rounding error
+                way = 0.0
+            if way <= 0.0 and (kind[i] == SPEED or kind[i] == REDUCE) and i > 0 and (v <= x[i] or way < -TOLERANCE):
+                state[i] = 0  # behind
+                continue
+            if slack(kind[i], way, x[i], A[i], J[i], v, a, T) > TOLERANCE:
+                state[i] = 1
+                continue
+            state[i] = 2
+            jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], v, a)
+            if jerk_i < jerk or (jerk_i == jerk and t_i < t):
+                jerk, t = jerk_i, t_i
+                braked = i
+        if jerk >= NEVER:  # nothing binds: faster
+            braked = -1
+            if a < A_up:
+                jerk, t = J_up, (A_up - a) / J_up
+            elif a > A_up * 1.000001:
+                jerk, t = -J_up, (a - A_up) / J_up
+            else:
+                jerk, t = 0.0, NEVER
+        elif jerk >= 0.0 and a > A_up * 1.000001:
+            jerk, t = -J_up, (a - A_up) / J_up
+        t = min(t, left)
+        v_t = v + a * t + jerk * t * t / 2.0
+        s_t = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
+        if not is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * t, T):
+            low, high = 0.0, t
+            for _ in range(48):
+                middle = (low + high) / 2.0
+                v_t = v + a * middle + jerk * middle * middle / 2.0
+                s_t = s + v * middle + a * middle * middle / 2.0 + jerk * middle * middle * middle / 6.0
+                if is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * middle, T):
+                    low = middle
+                else:
+                    high = middle
+                if high - low < 1e-13:
+                    break
+            t = low
+        s += v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
+        v += a * t + jerk * t * t / 2.0
+        a += jerk * t
+        if abs(a) < 1e-6:
+            a = 0.0
+            if braked >= 0 and kind[braked] != REDUCE and abs(v - x[braked]) < 1e-6:
+                v = x[braked]
+        if v < 0.0 or (v < 1e-9 and a <= 0.0):
+            v, a = 0.0, 0.0
+        left -= t
+        if left <= 1e-12:
+            break
+    if left > 1e-9:
+        result[3] += 1.0
+        if a > 0.0:
+            a = max(a - J_up * left, 0.0)
+        s += v * left
+    result[0], result[1], result[2] = s, v, a
+    return braked
+
+
+@warms("velocity profile")
+def _warm_up() -> None:
+    floats, ints = np.zeros(4), np.zeros(4, dtype=np.int64)
+    drive(0.001, 0.0, 0.0, 1.0, 1.0, 0, ints, floats, floats, floats, floats, ints, floats)

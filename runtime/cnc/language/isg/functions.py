@@ -1,0 +1,289 @@
+"""The mathematical functions and operators of the dialect (programming manual lines 1433–1600), registered by name.
+
+All take and give float. What has no value raises CalculationError, whose `name` is what stands in the program text.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from runtime.cnc.language.errors import CalculationError
+from runtime.diagnostics.catalogue import language as catalogue
+
+BIT_MAX = 2**32 - 1  # operands and results of bit operators are unsigned 32 bit (line 1470)
+TRUE_FROM = 0.5  # a value counts as true from here on (line 1487)
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the expression language; `call` takes `arguments` floats."""
+
+    name: str
+    arguments: int
+    spec: str
+    call: Callable[..., float]
+
+
+FUNCTIONS: dict[str, Function] = {}
+
+
+def _function(name: str, spec: str, arguments: int = 1) -> Callable[[Callable[..., float]], Callable[..., float]]:
+    def register(call: Callable[..., float]) -> Callable[..., float]:
+        FUNCTIONS[name] = Function(name, arguments, spec, call)
+        return call
+
+    return register
+
+
+def _in_range(name: str, compute: Callable[[], float]) -> float:
+    """The value of `compute`, or an error if it is no finite number."""
+    try:
+        value = compute()
+    except OverflowError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise CalculationError(catalogue.RESULT_RANGE, name, value=value)
+    return value
+
+
+def require_finite(value: float, name: str) -> float:
+    """`value`, or an error naming what it was for."""
+    if not math.isfinite(value):
+        raise CalculationError(catalogue.RESULT_RANGE, name, value=value)
+    return value
+
+
+# -- operators -----------------------------------------------------------------------------------------------------
+
+
+def divide(a: float, b: float) -> float:
+    if b == 0:
+        raise CalculationError(catalogue.DIVISION_BY_ZERO, "/")
+    return a / b
+
+
+def modulo(a: float, b: float) -> float:
+    """The remainder, with the sign of the dividend (the manual shows positive operands only)."""
+    if b == 0:
+        raise CalculationError(catalogue.DIVISION_BY_ZERO, "MOD")
+    require_finite(a, "MOD")
+    return math.fmod(a, b)
+
+
+def power(a: float, b: float) -> float:
+    if a == 0 and b < 0:
+        raise CalculationError(catalogue.DIVISION_BY_ZERO, "**")
+    if a < 0 and not float(b).is_integer():
+        raise CalculationError(catalogue.DOMAIN, "**", value=a)
+    return _in_range("**", lambda: math.pow(a, b))
+
+
+def _bits(value: float, name: str) -> int:
+    if not 0 <= value <= BIT_MAX:
+        raise CalculationError(catalogue.OPERAND_NEGATIVE, name, value=value)
+    return int(value)
+
+
+def bit_and(a: float, b: float) -> float:
+    return float(_bits(a, "&") & _bits(b, "&"))
+
+
+def bit_or(a: float, b: float) -> float:
+    return float(_bits(a, "|") | _bits(b, "|"))
+
+
+def bit_xor(a: float, b: float) -> float:
+    return float(_bits(a, "^") ^ _bits(b, "^"))
+
+
+def _truth(value: float, name: str) -> bool:
+    if not value >= 0:
+        raise CalculationError(catalogue.OPERAND_NEGATIVE, name, value=value)
+    return value >= TRUE_FROM
+
+
+def logic_and(a: float, b: float) -> float:
+    first, second = _truth(a, "AND"), _truth(b, "AND")
+    return float(first and second)
+
+
+def logic_or(a: float, b: float) -> float:
+    first, second = _truth(a, "OR"), _truth(b, "OR")
+    return float(first or second)
+
+
+def logic_xor(a: float, b: float) -> float:
+    return float(_truth(a, "XOR") != _truth(b, "XOR"))
+
+
+# -- numbers -------------------------------------------------------------------------------------------------------
+
+_NUMERIC = "isg.lex.numeric-functions"
+_ROUNDING = "isg.lex.rounding-functions"
+_TRIGONOMETRY = "isg.lex.trigonometry"
+
+
+@_function("ABS", _NUMERIC)
+def absolute(x: float) -> float:
+    return abs(x)
+
+
+@_function("SQR", _NUMERIC)
+def square(x: float) -> float:
+    return _in_range("SQR", lambda: x * x)
+
+
+@_function("SQRT", _NUMERIC)
+def square_root(x: float) -> float:
+    """The manual asks for arguments above 0 (line 1458); the root of 0 is 0 and breaks nothing, so 0 is allowed."""
+    if not x >= 0:
+        raise CalculationError(catalogue.DOMAIN, "SQRT", value=x)
+    return math.sqrt(x)
+
+
+@_function("EXP", _NUMERIC)
+def exponential(x: float) -> float:
+    return _in_range("EXP", lambda: math.exp(x))
+
+
+@_function("LN", _NUMERIC)
+def natural_logarithm(x: float) -> float:
+    if not x > 0:
+        raise CalculationError(catalogue.DOMAIN, "LN", value=x)
+    return math.log(x)
+
+
+@_function("DEXP", _NUMERIC)
+def power_of_ten(x: float) -> float:
+    return _in_range("DEXP", lambda: math.pow(10.0, x))
+
+
+@_function("LOG", _NUMERIC)
+def common_logarithm(x: float) -> float:
+    if not x > 0:
+        raise CalculationError(catalogue.DOMAIN, "LOG", value=x)
+    return math.log10(x)
+
+
+@_function("INV", "isg.lex.bit-operators")
+def bit_complement(x: float) -> float:
+    return float(_bits(x, "INV") ^ BIT_MAX)
+
+
+@_function("NOT", "isg.lex.logic-operators")
+def logic_not(x: float) -> float:
+    return float(not _truth(x, "NOT"))
+
+
+@_function("INT", _ROUNDING)
+def integer_part(x: float) -> float:
+    return float(math.trunc(require_finite(x, "INT")))
+
+
+@_function("FRACT", _ROUNDING)
+def fraction(x: float) -> float:
+    return require_finite(x, "FRACT") - math.trunc(x)
+
+
+@_function("ROUND", _ROUNDING)
+def nearest(x: float) -> float:
+    """The nearest integer, halves upward."""
+    return float(round_half_up(require_finite(x, "ROUND")))
+
+
+@_function("CEIL", _ROUNDING)
+def ceiling(x: float) -> float:
+    return float(math.ceil(require_finite(x, "CEIL")))
+
+
+@_function("FLOOR", _ROUNDING)
+def floor(x: float) -> float:
+    return float(math.floor(require_finite(x, "FLOOR")))
+
+
+@_function("MIN", "isg.lex.min-max-sign", 2)
+def smaller(x: float, y: float) -> float:
+    return min(x, y)
+
+
+@_function("MAX", "isg.lex.min-max-sign", 2)
+def larger(x: float, y: float) -> float:
+    return max(x, y)
+
+
+@_function("SIGN", "isg.lex.min-max-sign")
+def sign(x: float) -> float:
+    return float((x > 0) - (x < 0))
+
+
+def round_half_up(x: float) -> int:
+    """Rounding of N, M, H and parameter numbers to integers: halves upward."""
+    whole = math.floor(x)
+    return whole + 1 if x - whole >= 0.5 else whole
+
+
+# -- angles in degrees ---------------------------------------------------------------------------------------------
+
+# At multiples of 90° the values are exact: SIN[180] is 0 and not 1.2e-16, so that comparisons in programs hold.
+_SINE_OF_QUARTERS = (0.0, 1.0, 0.0, -1.0)
+
+
+@_function("SIN", _TRIGONOMETRY)
+def sine(x: float) -> float:
+    quarters, rest = divmod(math.fmod(require_finite(x, "SIN"), 360.0), 90.0)
+    return _SINE_OF_QUARTERS[int(quarters) % 4] if rest == 0 else math.sin(math.radians(x))
+
+
+@_function("COS", _TRIGONOMETRY)
+def cosine(x: float) -> float:
+    quarters, rest = divmod(math.fmod(require_finite(x, "COS"), 360.0), 90.0)
+    return _SINE_OF_QUARTERS[(int(quarters) + 1) % 4] if rest == 0 else math.cos(math.radians(x))
+
+
+@_function("TAN", _TRIGONOMETRY)
+def tangent(x: float) -> float:
+    denominator = cosine(x)
+    if denominator == 0:
+        raise CalculationError(catalogue.DOMAIN, "TAN", value=x)
+    return sine(x) / denominator
+
+
+@_function("COT", _TRIGONOMETRY)
+def cotangent(x: float) -> float:
+    denominator = sine(x)
+    if denominator == 0:
+        raise CalculationError(catalogue.DOMAIN, "COT", value=x)
+    return cosine(x) / denominator
+
+
+@_function("ASIN", _TRIGONOMETRY)
+def arc_sine(x: float) -> float:
+    if not -1 <= x <= 1:
+        raise CalculationError(catalogue.DOMAIN, "ASIN", value=x)
+    return math.degrees(math.asin(x))
+
+
+@_function("ACOS", _TRIGONOMETRY)
+def arc_cosine(x: float) -> float:
+    if not -1 <= x <= 1:
+        raise CalculationError(catalogue.DOMAIN, "ACOS", value=x)
+    return math.degrees(math.acos(x))
+
+
+@_function("ATAN", _TRIGONOMETRY)
+def arc_tangent(x: float) -> float:
+    return math.degrees(math.atan(x))
+
+
+@_function("ATAN2", _TRIGONOMETRY, 2)
+def arc_tangent_of_point(y: float, x: float) -> float:
+    """Direction of the point (x, y); 0 for the origin (line 1561)."""
+    return math.degrees(math.atan2(y, x)) if x != 0 or y != 0 else 0.0
+
+
+@_function("ACOT", _TRIGONOMETRY)
+def arc_cotangent(x: float) -> float:
+    """Between 0 and 180 degrees, so that it is continuous."""
+    return 90.0 - math.degrees(math.atan(x))

@@ -1,0 +1,184 @@
+"""The motion queue: the one way from the preparation of a channel to its interpolator.
+
+A ring of fixed records, one producer and one consumer, in shared memory or in this process only:
+
+    absolute index    read ≤ i < written                slot of i: i % capacity
+                      ┌────────────────────────────────────────────┐
+      slots      ···  │ LINE  LINE  FUNCTION  GATE  LINE  BLOCK_END │  ···  free: capacity - (written - read)
+                      └────────────────────────────────────────────┘
+                      ▲ consumer frees here                        ▲ producer appends here
+
+Indices only grow. A counter is stored after the records it covers (x86-64 keeps the order of stores), so neither side ever
+sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says how much.
+
+Units: mm or degrees, per second; angles of arcs in radians.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from enum import IntEnum
+from multiprocessing import shared_memory
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.diagnostics.memory import open_shared, remove_shared
+
+CAPACITY = 16384  # some 6 MB; 16 m of path in segments of 1 mm, 1.6 m in segments of 0.1 mm
+MAX_AXES = 8  # config.machine: axes of a channel
+PROGRAMS = 64  # names known at the same time
+PROGRAM_NAME = 248
+
+
+class RecordKind(IntEnum):
+    """What a record is."""
+
+    LINE = 0
+    ARC = 1
+    FUNCTION = 2  # technology function, put out when the path arrives here
+    GATE = 3  # the path stops here unless the gate has been opened
+    BLOCK_END = 4  # the end of an NC block: a gate in single block
+
+
+class GateReason(IntEnum):
+    """Who has to open a gate."""
+
+    WAIT = 0  # acknowledgement of technology functions
+    DWELL = 1  # `seconds` at standstill
+    PROGRAMMED_STOP = 2  # M00
+    OPTIONAL_STOP = 3  # M01
+    PROGRAM_END = 4  # M02, M30
+
+
+RECORD = np.dtype(
+    [
+        ("kind", "i8"),  # RecordKind
+        ("line", "i8"),  # source line
+        ("n", "i8"),  # block number, -1: none
+        ("program", "i8"),  # index into the table of names
+        # LINE, ARC
+        ("start", "f8", (MAX_AXES,)),
+        ("end", "f8", (MAX_AXES,)),
+        ("length", "f8"),  # path length
+        ("feed", "f8"),  # programmed path velocity per s, inf for rapid
+        ("rapid", "i8"),
+        ("v_limit", "f8"),  # path velocity, acceleration and jerk at which no axis exceeds its limits on this element
+        ("a_limit", "f8"),
+        ("j_limit", "f8"),
+        ("v_entry", "f8"),  # greatest path velocity over the corner between the element before and this one
+        ("block_end", "i8"),  # 1: an NC block ends with this element (segment of a polyline)
+        # ARC
+        ("axis0", "i8"),
+        ("axis1", "i8"),
+        ("centre0", "f8"),
+        ("centre1", "f8"),
+        ("angle", "f8"),  # signed, radians
+        # FUNCTION
+        ("function", "i8"),  # runtime.cnc.blocks.Technology
+        ("number", "i8"),
+        ("synch", "i8"),
+        ("spindle", "i8"),
+        ("value", "f8"),
+        # GATE
+        ("reason", "i8"),  # GateReason
+        ("seconds", "f8"),
+    ],
+    align=True,
+)
+
+Records = npt.NDArray[np.void]
+Counters = npt.NDArray[np.int64]
+
+_HEAD = 64  # bytes: written, read, number of programs ever named
+_NAMES = PROGRAMS * PROGRAM_NAME
+
+
+class MotionQueue:
+    """The ring. `name` is that of the shared memory (none: private); `create` makes it, otherwise a running one is opened."""
+
+    def __init__(self, n_axes: int, name: str | None = None, create: bool = True, capacity: int = CAPACITY) -> None:
+        if not 1 <= n_axes <= MAX_AXES:
+            raise ValueError(f"a channel has 1 to {MAX_AXES} axes, not {n_axes}")
+        self.n_axes = n_axes
+        self.capacity = capacity
+        self._memory: shared_memory.SharedMemory | None = None
+        size = _HEAD + _NAMES + capacity * RECORD.itemsize
+        if name is None:
+            buffer: memoryview | bytearray = bytearray(size)
+        else:
+            self._memory = open_shared(name, size if create else None)
+            buffer = self._memory.buf
+        self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
+        self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
+        self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=_HEAD + _NAMES)
+        self._known: dict[str, int] = {}
+
+    # ------------------------------------------------------------------ producer
+
+    @property
+    def written(self) -> int:
+        """Absolute index of the next record to be appended."""
+        return int(self.counters[0])
+
+    @property
+    def free(self) -> int:
+        """Records that `append` will take now."""
+        return self.capacity - (int(self.counters[0]) - int(self.counters[1]))
+
+    def append(self, records: Records) -> int:
+        """Append as many of `records` (k,) of dtype `RECORD` as fit, in order; returns how many. Producer only."""
+        written = int(self.counters[0])
+        count = min(len(records), self.free)
+        slot = written % self.capacity
+        first = min(count, self.capacity - slot)
+        self.records[slot : slot + first] = records[:first]
+        self.records[: count - first] = records[first:count]
+        self.counters[0] = written + count
+        return count
+
+    def program_id(self, name: str) -> int:
+        """Index of a program name in the table; the oldest name gives way when the table is full. Producer only."""
+        known = self._known.get(name)
+        if known is None:
+            known = int(self.counters[2])
+            self._names[known % PROGRAMS] = name.encode("utf-8", "replace")[-PROGRAM_NAME:]
+            self.counters[2] = known + 1
+            self._known[name] = known
+            if len(self._known) > PROGRAMS:
+                del self._known[next(iter(self._known))]
+        return known
+
+    # ------------------------------------------------------------------ consumer
+
+    @property
+    def read(self) -> int:
+        """Absolute index of the first record that is not free again."""
+        return int(self.counters[1])
+
+    def record(self, index: int) -> Any:
+        """The record of an absolute index; valid while it is not freed. Fields by name, as in `RECORD`."""
+        return self.records[index % self.capacity]
+
+    def program_name(self, program: int) -> str:
+        """The name behind a program id."""
+        return bytes(self._names[program % PROGRAMS]).decode("utf-8", "replace")
+
+    def discard_all(self) -> None:
+        """Free everything that has been written so far. Consumer only, at standstill."""
+        self.counters[1] = self.counters[0]
+
+    # ------------------------------------------------------------------ memory
+
+    def close(self, *, unlink: bool = False) -> None:
+        """Let go of the memory; `unlink` also removes it (its creator does)."""
+        if self._memory is None:
+            return
+        memory, self._memory = self._memory, None
+        del self.counters, self._names, self.records
+        if unlink:
+            remove_shared(memory)
+        else:
+            with contextlib.suppress(BufferError):
+                memory.close()

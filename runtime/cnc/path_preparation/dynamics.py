@@ -1,0 +1,215 @@
+"""What the axes allow on an element and at its entry: path velocity, acceleration and jerk from the limits per axis.
+
+With u = q' (share of each axis in the path velocity) and k = q'' (curvature), at path velocity v, acceleration a, jerk j:
+
+    velocity of an axis       u v                          ≤ V
+    acceleration              u a + k v²                   ≤ A
+    jerk                      u j + 3 k v a + q''' v³      ≤ J
+
+Every element gets one v, a and j with which all of this holds together. What curvature takes is decided by the speed that the
+programmed feed can ask for (override 200 %): up to half of the acceleration is given to it freely, up to 70 % if the feed
+at 100 % needs it; the rest is left to speed up and brake.
+
+At a corner the axes jump by Δu v, at most their `velocity_step`. Where an arc begins or ends the acceleration
+jumps by Δk v². An axis that may jump by `velocity_step` may also lag as much, and with its jerk it catches up with a jump of
+acceleration ΔA while its velocity is off by at most ΔA²/8J: so ΔA ≤ √(8 J velocity_step) is allowed, and
+ΔA ≤ J·period/2 for an axis that may not jump at all.
+
+A run of short lines stands for a curve: its corners then also have a curvature k = Δu / mean length, kept like that of an arc.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.geometry.elements import greatest_cosine
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+GREATEST_OVERRIDE = 2.0
+CURVATURE_SHARE = 0.5  # of the acceleration, given to curvature freely
+GREATEST_CURVATURE_SHARE = 0.7  # if the feed needs it
+TANGENTIAL = 1e-6  # a change of direction below this is rounding
+SMOOTH = 0.15  # a change of direction below this may stand for a curve (8.6 degrees)
+
+
+@dataclass(frozen=True, slots=True)
+class Border:
+    """How an element ends: u and k of the axes, its length, and whether it is measured along the main axes."""
+
+    direction: Floats
+    curvature: Floats
+    length: float
+    main: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Dynamics:
+    """Limits of k elements, each (k,): per s, s², s³ along the path; `v_entry` at the corner before the element."""
+
+    v_limit: Floats
+    a_limit: Floats
+    j_limit: Floats
+    v_entry: Floats
+
+
+def _least(limit: Floats, share: Floats) -> Floats:
+    """min over the axes of limit / share, (k,), for shares (k, n_axes); inf where nothing moves."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(share > 0.0, limit / share, np.inf)
+    least: Floats = ratio.min(axis=-1)
+    return least
+
+
+def _acceleration_step(limits: AxisLimits, period: float) -> Floats:
+    allowed = np.maximum(np.sqrt(8.0 * limits.jerk * limits.velocity_step), 0.5 * limits.jerk * period)
+    step: Floats = np.minimum(allowed, limits.acceleration)
+    return step
+
+
+def corner_speed(
+    limits: AxisLimits, period: float, turn: Floats, bend: Floats, length: Floats, share: Floats | float
+) -> Floats:
+    """Greatest path velocity over corners (k,).
+
+    `turn` (k, n): |Δu|; `bend` (k, n): |Δk|, the jump of curvature; `length` (k,): mean length of the neighbours; `share`:
+    of the acceleration that curvature may take.
+    """
+    turn = np.where(turn > TANGENTIAL, turn, 0.0)
+    jump = _least(limits.velocity_step, turn)
+    curve = np.sqrt(share * _least(limits.acceleration, turn) * length)
+    onset = np.sqrt(_least(_acceleration_step(limits, period), bend))
+    speed: Floats = np.minimum(np.minimum(jump, curve), onset)
+    return speed
+
+
+def line_dynamics(
+    limits: AxisLimits,
+    period: float,
+    direction: Floats,
+    length: Floats,
+    main: Flags,
+    feed: Floats,
+    before: Border | None,
+) -> tuple[Dynamics, Border]:
+    """Limits of k successive lines: directions (k, n), lengths (k,), feeds (k,) per s, and how the last one ends.
+
+    `main` (k,): measured along the main axes. `before` is the end of the element before, None at the start of a path.
+    """
+    n = limits.n
+    share = np.abs(direction)
+    v_limit = _least(limits.velocity, share)
+    a_plain = _least(limits.acceleration, share)
+    j_limit = _least(limits.jerk, share)
+    first = before or Border(direction[0], np.zeros(n), float(length[0]), bool(main[0]))
+    before_direction = np.vstack([first.direction, direction[:-1]])
+    before_length = np.concatenate([[first.length], length[:-1]])
+    before_main = np.concatenate([[first.main], main[:-1]])
+    turn = np.abs(direction - before_direction)
+    turn[turn <= TANGENTIAL] = 0.0
+    mean = 0.5 * (length + before_length)
+    bend = np.zeros_like(turn)
+    bend[0] = np.abs(first.curvature)
+
+    curvature = np.where(turn.max(axis=1, keepdims=True) < SMOOTH, turn / mean[:, None], 0.0)  # at the corner before
+    feed_before = np.concatenate([[feed[0]], feed[:-1]])
+    asked = np.minimum(np.minimum(feed, feed_before), v_limit)
+    wanted_share = (curvature * asked[:, None] ** 2 / limits.acceleration).max(axis=1)
+    allowed_share = np.clip(wanted_share, CURVATURE_SHARE, GREATEST_CURVATURE_SHARE)
+    v_entry = corner_speed(limits, period, turn, bend, mean, allowed_share)
+    v_entry[before_main != main] = 0.0  # another measure of the path: mm before, degrees after
+    if before is None:
+        v_entry[0] = 0.0
+
+    # the sharper of the corners at both ends; that after the last line is not known yet
+    here = curvature.copy()
+    here[:-1] = np.maximum(here[:-1], curvature[1:])
+    share_here = allowed_share.copy()
+    share_here[:-1] = np.maximum(share_here[:-1], allowed_share[1:])
+    fastest = np.minimum(
+        np.minimum(GREATEST_OVERRIDE * feed, v_limit), np.sqrt(share_here * _least(limits.acceleration, here))
+    )
+    taken = here * fastest[:, None] ** 2
+    axes = _least_left(limits.acceleration, taken, share)
+    moving = (share > 0.0) | (here > 0.0)
+    isotropic = np.where(moving, limits.acceleration, np.inf).min(axis=1)
+    across = np.linalg.norm(here, axis=1) * fastest**2
+    circle = np.sqrt(np.maximum(isotropic**2 - across**2, 0.0))
+    a_limit = np.minimum(np.maximum(axes, circle), a_plain)
+    after = Border(direction[-1], np.zeros(n), float(length[-1]), bool(main[-1]))
+    return Dynamics(v_limit, a_limit, j_limit, v_entry), after
+
+
+def _least_left(limit: Floats, taken: Floats, share: Floats) -> Floats:
+    """min over the axes of (limit - taken) / share, (k,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(share > 0.0, (limit - taken) / share, np.inf)
+    least: Floats = np.maximum(ratio.min(axis=-1), 0.0)
+    return least
+
+
+def arc_dynamics(
+    limits: AxisLimits,
+    period: float,
+    plane: tuple[int, int],
+    begin: float,
+    angle: float,
+    radius: float,
+    linear: Floats,
+    length: float,
+    feed: float,
+    before: Border | None,
+) -> tuple[Dynamics, Border]:
+    """Limits of one arc or helix, arrays of shape (1,), and how it ends.
+
+    `begin`, `angle`: radians; `linear` (n,): way of the axes outside the plane, 0 in it; `feed` per s.
+    """
+    first, second = plane
+    in_plane = radius * abs(angle) / length  # share of the path velocity that turns
+    sine = greatest_cosine(begin - math.pi / 2, begin + angle - math.pi / 2)
+    cosine = greatest_cosine(begin, begin + angle)
+    share = np.abs(linear) / length
+    share[first], share[second] = in_plane * sine, in_plane * cosine
+    curve = np.zeros(limits.n)
+    kappa = in_plane**2 / radius
+    curve[first], curve[second] = kappa * cosine, kappa * sine
+    third = np.zeros(limits.n)
+    rate = in_plane**3 / radius**2
+    third[first], third[second] = rate * sine, rate * cosine
+
+    moving = share > 0.0
+    A = float(limits.acceleration[moving].min())
+    J = float(limits.jerk[moving].min())
+    v_axes = float(_least(limits.velocity, share))
+    part = min(max(kappa * min(feed, v_axes) ** 2 / A, CURVATURE_SHARE), GREATEST_CURVATURE_SHARE)
+    v_limit = min(v_axes, math.sqrt(part * A / kappa), float(_least(0.4 * limits.jerk, third)) ** (1.0 / 3.0))
+    fastest = min(v_limit, GREATEST_OVERRIDE * feed)
+    across = kappa * fastest**2
+    a_axes = float(_least_left(limits.acceleration, curve * fastest**2, share))
+    a_limit = max(a_axes, math.sqrt(max(A * A - across * across, 0.0)))
+    a_limit = min(a_limit, float(_least(limits.acceleration, share)), 0.6 * J / (3.0 * kappa * fastest))
+    j_limit = min(0.8 * J - rate * fastest**3, float(_least(limits.jerk, share)))
+
+    def border(phi: float) -> Border:
+        direction = linear / length
+        sense = math.copysign(in_plane, angle)
+        direction[first], direction[second] = -sense * math.sin(phi), sense * math.cos(phi)
+        bend = np.zeros(limits.n)
+        bend[first], bend[second] = -kappa * math.cos(phi), -kappa * math.sin(phi)
+        return Border(direction, bend, length, True)
+
+    start = border(begin)
+    v_entry = 0.0
+    if before is not None and before.main:
+        turn = np.abs(start.direction - before.direction)[None, :]
+        bend = np.abs(start.curvature - before.curvature)[None, :]
+        mean = np.array([0.5 * (length + before.length)])
+        v_entry = float(corner_speed(limits, period, turn, bend, mean, GREATEST_CURVATURE_SHARE)[0])
+    limits_of_arc = Dynamics(np.array([v_limit]), np.array([a_limit]), np.array([j_limit]), np.array([v_entry]))
+    return limits_of_arc, border(begin + angle)

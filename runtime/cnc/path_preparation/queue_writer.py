@@ -1,0 +1,264 @@
+"""The last station of preparation: blocks become records of the motion queue, with all numbers that the cycle needs.
+
+Path length is measured along the first three (main) axes if one of them moves; the other axes go along. If none of
+them moves, it is the Euclidean length over the remaining axes (rotary axes alone: degrees, and a feed in degrees/min). At the
+change between both measures the path stops. Moves without length vanish; their block end stays.
+
+The writer never waits and reads no clock: when the queue is full it says so and goes on where it was at the next call.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from enum import Enum
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.blocks import (
+    Arc,
+    Block,
+    BlockEnd,
+    Dwell,
+    Line,
+    Polyline,
+    Source,
+    Stop,
+    StopKind,
+    TechnologyFunction,
+    Wait,
+)
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.motion_queue import RECORD, GateReason, MotionQueue, RecordKind, Records
+from runtime.cnc.path_preparation.dynamics import Border, Dynamics, arc_dynamics, line_dynamics
+from runtime.cnc.path_preparation.errors import PathError
+from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
+from runtime.diagnostics.errors import Place
+
+Floats = npt.NDArray[np.float64]
+
+MAIN_AXES = 3
+NO_LENGTH = 1e-9  # mm: below it a move has no length
+GAP = 1e-5  # mm: what may lie between the end of a block and the start of the next
+
+_STOPS = {
+    StopKind.PROGRAMMED: GateReason.PROGRAMMED_STOP,
+    StopKind.OPTIONAL: GateReason.OPTIONAL_STOP,
+    StopKind.PROGRAM_END: GateReason.PROGRAM_END,
+}
+
+
+class PumpState(Enum):
+    """Why `QueueWriter.pump` came back."""
+
+    FULL = "the queue is full"
+    MORE = "the budget is used up"
+    FINISHED = "the blocks have come to their end"
+
+
+def path_length(way: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
+    """Lengths (k,) of straight moves (k, n_axes), and whether they are measured along the main axes."""
+    along_main = np.sqrt((way[:, :MAIN_AXES] ** 2).sum(axis=1))
+    along_others = np.sqrt((way[:, MAIN_AXES:] ** 2).sum(axis=1))
+    main = along_main > NO_LENGTH
+    # An axis that goes along a move of next to no length would be infinitely fast: such a move is measured by it.
+    main &= along_main > 1e-6 * along_others
+    return np.where(main, along_main, along_others), main
+
+
+class QueueWriter:
+    """Writes the blocks of one program run to `queue`; make a new one for each run.
+
+    `names` of the axes are for error messages. Raises PathError for blocks that can't be driven; nothing of such a block
+    reaches the queue.
+    """
+
+    def __init__(self, queue: MotionQueue, limits: AxisLimits, period: float, names: tuple[str, ...] = ()) -> None:
+        self.queue = queue
+        self._limits = limits
+        self._period = period
+        self._names = names or tuple(str(i) for i in range(limits.n))
+        self._before: Border | None = None
+        self._place: Floats | None = None  # end of the last element in the queue
+        self._block_end: Floats | None = None  # end of the last block, moves without length included
+        self._pending: Records = np.zeros(0, dtype=RECORD)
+        self._done = 0
+
+    def pump(self, blocks: Iterator[Block], budget: int = 1000) -> PumpState:
+        """Take blocks and write them until the queue is full, `budget` records are written, or there are no more blocks."""
+        while True:
+            if self._done < len(self._pending):
+                budget -= self._flush(budget)
+                if self._done < len(self._pending):
+                    return PumpState.FULL if self.queue.free == 0 else PumpState.MORE
+            if budget <= 0:
+                return PumpState.MORE
+            if self.queue.free == 0:
+                return PumpState.FULL
+            block = next(blocks, None)
+            if block is None:
+                return PumpState.FINISHED
+            budget -= 1
+            self._take(block)
+
+    def write(self, block: Block) -> bool:
+        """Write one block; False if not all of it fitted: call again with the same block until True."""
+        if self._done >= len(self._pending):
+            self._take(block)
+        self._flush(len(self._pending))
+        return self._done >= len(self._pending)
+
+    def _flush(self, most: int) -> int:
+        count = self.queue.append(self._pending[self._done : self._done + max(most, 1)])
+        self._done += count
+        return count
+
+    def _take(self, block: Block) -> None:
+        self._pending, self._done = self._records(block), 0
+
+    # ------------------------------------------------------------------ block → records
+
+    def _records(self, block: Block) -> Records:
+        if isinstance(block, Polyline):
+            return self._polyline(block)
+        record = np.zeros(1, dtype=RECORD)
+        source: Source = block.source
+        record["line"] = source.line
+        record["n"] = -1 if source.n is None else source.n
+        record["program"] = self.queue.program_id(source.program)
+        match block:
+            case Line():
+                feed = math.inf if block.rapid else block.feed
+                return self._lines(
+                    record, np.vstack([block.start, block.end]), np.array([feed]), source.program, keep_empty=False
+                )
+            case Arc():
+                return self._arc(record, block)
+            case TechnologyFunction():
+                record["kind"] = RecordKind.FUNCTION
+                record["function"], record["number"] = int(block.kind), block.number
+                record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
+            case Wait():
+                record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
+            case Dwell():
+                record["kind"], record["reason"], record["seconds"] = RecordKind.GATE, GateReason.DWELL, block.seconds
+            case Stop():
+                record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
+            case BlockEnd():
+                record["kind"] = RecordKind.BLOCK_END
+        return record
+
+    def _polyline(self, block: Polyline) -> Records:
+        records = np.zeros(len(block.feeds), dtype=RECORD)
+        records["line"] = block.lines
+        records["n"] = block.numbers
+        records["program"] = self.queue.program_id(block.program)
+        records["block_end"] = 1
+        return self._lines(records, block.points, block.feeds, block.program, keep_empty=True)
+
+    def _lines(self, records: Records, points: Floats, feeds: Floats, program: str, *, keep_empty: bool) -> Records:
+        """Complete k records to lines between `points` (k + 1, n); `feeds` (k,) per min."""
+        first_line = int(records["line"][0]) if len(records) else 0
+        start = self._join(points, program, first_line)
+        _, main = path_length(np.diff(points, axis=0))
+        lengths, _ = path_length(np.diff(points, axis=0))
+        there = lengths > NO_LENGTH
+        records["kind"] = np.where(there, RecordKind.LINE, RecordKind.BLOCK_END)
+        if not there.all():
+            records["block_end"][~there] = 0
+        self._block_end = points[-1]
+        if not there.any():
+            return records if keep_empty else records[:0]
+        slow = there & ~(feeds > 0.0)
+        if slow.any():
+            at = int(np.argmax(slow))
+            raise PathError(NO_FEED, Place(program, int(records["line"][at])), feed=float(feeds[at]))
+        ends = points[1:][there]
+        starts = np.vstack([start, ends[:-1]])
+        way = ends - starts
+        length, main = path_length(way)
+        direction = way / length[:, None]
+        feed = feeds[there] / 60.0
+        dynamics, after = line_dynamics(self._limits, self._period, direction, length, main, feed, self._before)
+        rapid = np.isinf(feed)
+        self._complete(records, there, starts, ends, length, np.where(rapid, np.inf, feed), rapid, dynamics)
+        self._before, self._place = after, ends[-1]
+        return records
+
+    def _complete(
+        self,
+        records: Records,
+        there: npt.NDArray[np.bool_],
+        starts: Floats,
+        ends: Floats,
+        length: Floats,
+        feed: Floats,
+        rapid: npt.NDArray[np.bool_],
+        dynamics: Dynamics,
+    ) -> None:
+        n = self._limits.n
+        records["start"][there, :n] = starts
+        records["end"][there, :n] = ends
+        records["length"][there] = length
+        records["feed"][there] = feed
+        records["rapid"][there] = rapid
+        records["v_limit"][there] = dynamics.v_limit
+        records["a_limit"][there] = dynamics.a_limit
+        records["j_limit"][there] = dynamics.j_limit
+        records["v_entry"][there] = dynamics.v_entry
+
+    def _arc(self, record: Records, arc: Arc) -> Records:
+        program, line = arc.source.program, arc.source.line
+        start = self._join(np.vstack([arc.start, arc.end]), program, line)
+        first, second = arc.plane
+        x, y = arc.start[first] - arc.centre[0], arc.start[second] - arc.centre[1]
+        radius, angle = math.hypot(x, y), math.radians(arc.angle)
+        linear = arc.end - arc.start
+        linear[first] = linear[second] = 0.0
+        length = math.hypot(radius * angle, float(np.linalg.norm(linear[:MAIN_AXES])))
+        self._block_end = arc.end
+        if not (math.isfinite(length) and math.isfinite(arc.radius)):
+            raise PathError(ARC_GEOMETRY, Place(program, line), radius=arc.radius, angle=arc.angle)
+        if radius * abs(angle) <= NO_LENGTH:
+            ends = np.vstack([arc.start, arc.end])
+            return self._lines(record, ends, np.array([arc.feed]), program, keep_empty=False)
+        if not arc.feed > 0.0:
+            raise PathError(NO_FEED, Place(program, line), feed=arc.feed)
+        dynamics, after = arc_dynamics(
+            self._limits, self._period, arc.plane, math.atan2(y, x), angle, radius, linear, length, arc.feed / 60.0, self._before
+        )  # fmt: skip
+        record["kind"] = RecordKind.ARC
+        record["axis0"], record["axis1"] = first, second
+        record["centre0"], record["centre1"], record["angle"] = arc.centre[0], arc.centre[1], angle
+        self._complete(
+            record,
+            np.array([True]),
+            start[None, :],
+            arc.end[None, :],
+            np.array([length]),
+            np.array([arc.feed / 60.0]),
+            np.array([False]),
+            dynamics,
+        )
+        self._before, self._place = after, arc.end
+        return record
+
+    def _join(self, points: Floats, program: str, line: int) -> Floats:
+        """Where the element really starts: at the end of the one before. Raises PathError if that is not its start."""
+        if not np.isfinite(points).all():
+            axis = int(np.argmin(np.isfinite(points).all(axis=0)))
+            raise PathError(NOT_FINITE, Place(program, line), axis=self._names[axis])
+        start: Floats = points[0]
+        if self._block_end is not None:
+            gap = np.abs(start - self._block_end)
+            if gap.max() > GAP:
+                axis = int(np.argmax(gap))
+                raise PathError(
+                    PATH_GAP,
+                    Place(program, line),
+                    start=float(start[axis]),
+                    axis=self._names[axis],
+                    end=float(self._block_end[axis]),
+                )
+        return start if self._place is None else self._place

@@ -1,0 +1,93 @@
+"""Software limits: no block is handed on whose path leaves the range of an axis.
+
+A straight move stays within the box if its ends do. An arc also reaches the extremes of the circle that lie on it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.blocks import Arc, Block, Line, Polyline
+from runtime.cnc.geometry.elements import cosine_range
+from runtime.cnc.path_preparation.errors import SoftwareLimitError
+from runtime.diagnostics.catalogue.motion import SOFTWARE_LIMIT
+from runtime.diagnostics.errors import Place
+
+Floats = npt.NDArray[np.float64]
+
+ROUNDING = 1e-7  # mm or degrees: a target that was programmed as the limit is not beyond it
+
+
+def _reach(arc: Arc) -> tuple[Floats, Floats]:
+    """Smallest and greatest position of every axis on an arc, each (n_axes,)."""
+    low, high = np.minimum(arc.start, arc.end), np.maximum(arc.start, arc.end)
+    first, second = arc.plane
+    x, y = arc.start[first] - arc.centre[0], arc.start[second] - arc.centre[1]
+    begin = math.atan2(y, x)
+    end = begin + math.radians(arc.angle)
+    radius = math.hypot(x, y)
+    for axis, centre, shift in ((first, arc.centre[0], 0.0), (second, arc.centre[1], math.pi / 2)):
+        least, greatest = cosine_range(begin - shift, end - shift)
+        low[axis] = min(low[axis], centre + radius * least)
+        high[axis] = max(high[axis], centre + radius * greatest)
+    return low, high
+
+
+class SoftwareLimits:
+    """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no limit.
+
+    Raises SoftwareLimitError before it yields the block that would leave the range.
+    """
+
+    def __init__(
+        self, names: Sequence[str], position_min: Sequence[float | None], position_max: Sequence[float | None]
+    ) -> None:
+        self._names = list(names)
+        self._low: Floats = np.array([-np.inf if p is None else p for p in position_min]) - ROUNDING
+        self._high: Floats = np.array([np.inf if p is None else p for p in position_max]) + ROUNDING
+
+    def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
+        for block in blocks:
+            self.check(block)
+            yield block
+
+    def check(self, block: Block) -> None:
+        """Raise SoftwareLimitError if `block` leaves the range of an axis."""
+        if isinstance(block, Line):
+            if ((block.end < self._low) | (block.end > self._high)).any():
+                self._refuse(block.end, "the target", block.source.program, block.source.line)
+        elif isinstance(block, Arc):
+            low, high = _reach(block)
+            for extreme in (low, high):
+                if ((extreme < self._low) | (extreme > self._high)).any():
+                    at_target = bool(((block.end < self._low) | (block.end > self._high)).any())
+                    self._refuse(
+                        block.end if at_target else extreme,
+                        "the target" if at_target else "the turning point of the arc",
+                        block.source.program,
+                        block.source.line,
+                    )
+        elif isinstance(block, Polyline):
+            targets = block.points[1:]
+            beyond = ((targets < self._low) | (targets > self._high)).any(axis=1)
+            if beyond.any():
+                first = int(np.argmax(beyond))
+                self._refuse(targets[first], "the target", block.program, int(block.lines[first]))
+
+    def _refuse(self, position: Floats, what: str, program: str, line: int) -> None:
+        below = position < self._low
+        axis = int(np.argmax(below | (position > self._high)))
+        limit = float(self._low[axis] + ROUNDING if below[axis] else self._high[axis] - ROUNDING)
+        raise SoftwareLimitError(
+            SOFTWARE_LIMIT,
+            Place(program, line),
+            what=what,
+            axis=self._names[axis],
+            position=float(position[axis]),
+            limit=limit,
+            limit_name="position_min" if below[axis] else "position_max",
+        )

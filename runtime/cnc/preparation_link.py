@@ -1,0 +1,151 @@
+"""How the cycle orders a program and how the preparation answers: one record in shared memory.
+
+    cycle:        fills the order, then counts `order` up                      (start a program, abort it)
+    preparation:  sees order != answer, acts, then sets `answer` = `order`     (has begun, or has stopped writing)
+    preparation:  sets `state`, and the problem before it, when it ends
+
+After an abort is answered the preparation writes no record into the motion queue until the next start, so the cycle may
+throw away what is left in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from multiprocessing import shared_memory
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.diagnostics.memory import open_shared, remove_shared
+
+AXES = 8
+TEXT = 400
+
+
+class Order(IntEnum):
+    NONE = 0
+    START = 1
+    ABORT = 2
+
+
+class PreparationState(IntEnum):
+    IDLE = 0
+    RUNNING = 1
+    FINISHED = 2  # everything up to the program end is in the queue
+    FAILED = 3  # the problem tells why; what was prepared before it is in the queue
+
+
+_RECORD = np.dtype(
+    [
+        ("order", "u4"),
+        ("answer", "u4"),
+        ("kind", "i4"),
+        ("state", "i4"),
+        ("skip_levels", "u4"),
+        ("problem_id", "i4"),
+        ("problem_line", "i4"),
+        ("problem_column", "i4"),
+        ("start", "f8", (AXES,)),
+        ("program", "S304"),
+        ("problem_text", f"S{TEXT}"),
+    ],
+    align=True,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class StartOrder:
+    """Which program, from which machine position (n_axes,), with which skip levels (bit n-1 = level n)."""
+
+    program: str
+    start: npt.NDArray[np.float64]
+    skip_levels: int
+
+
+class PreparationLink:
+    """Both ends of the link; in shared memory when `name` is given."""
+
+    def __init__(self, n_axes: int, name: str | None = None, *, create: bool = True) -> None:
+        self._n_axes = n_axes
+        self._memory: shared_memory.SharedMemory | None = None
+        if name is None:
+            buffer: bytearray | memoryview = bytearray(_RECORD.itemsize)
+        else:
+            self._memory = open_shared(name, _RECORD.itemsize if create else None)
+            buffer = self._memory.buf
+        self._record = np.frombuffer(buffer, dtype=_RECORD, count=1)[0:1]
+
+    def _get(self, name: str) -> int:
+        return int(self._record[name][0])
+
+    # ------------------------------------------------------------------ the cycle's side
+
+    def start(self, order: StartOrder) -> None:
+        """Order a program; the answer comes in a later cycle."""
+        record = self._record
+        record["program"][0] = order.program.encode()
+        record["start"][0, : self._n_axes] = order.start
+        record["skip_levels"][0] = order.skip_levels
+        record["state"][0] = PreparationState.RUNNING
+        record["problem_id"][0] = 0
+        self._order(Order.START)
+
+    def abort(self) -> None:
+        """Order the preparation to stop writing."""
+        self._order(Order.ABORT)
+
+    def _order(self, kind: Order) -> None:
+        self._record["kind"][0] = kind
+        self._record["order"][0] += np.uint32(1)
+
+    @property
+    def answered(self) -> bool:
+        """The last order has been taken."""
+        return self._get("order") == self._get("answer")
+
+    @property
+    def state(self) -> PreparationState:
+        return PreparationState(self._get("state"))
+
+    @property
+    def problem(self) -> tuple[int, int, str]:
+        """Catalogue id (0: none), program line, and whole text of what stopped the preparation."""
+        text = bytes(self._record["problem_text"][0]).decode("utf-8", "replace")
+        return self._get("problem_id"), self._get("problem_line"), text
+
+    # ------------------------------------------------------------------ the preparation's side
+
+    @property
+    def waiting_order(self) -> Order:
+        """The order that is not yet answered, or NONE."""
+        return Order.NONE if self.answered else Order(self._get("kind"))
+
+    def read_start(self) -> StartOrder:
+        record = self._record
+        return StartOrder(
+            program=bytes(record["program"][0]).decode(),
+            start=np.array(record["start"][0, : self._n_axes]),
+            skip_levels=self._get("skip_levels"),
+        )
+
+    def answer(self) -> None:
+        self._record["answer"][0] = self._record["order"][0]
+
+    def finish(self, state: PreparationState, problem_id: int = 0, line: int = 0, text: str = "") -> None:
+        """Tell how it ended; the state is written last."""
+        record = self._record
+        record["problem_text"][0] = text.encode("utf-8", "replace")[:TEXT]
+        record["problem_line"][0] = line
+        record["problem_id"][0] = problem_id
+        record["state"][0] = state
+
+    def close(self, *, unlink: bool = False) -> None:
+        if self._memory is None:
+            return
+        memory, self._memory = self._memory, None
+        del self._record
+        if unlink:
+            remove_shared(memory)
+        else:
+            memory.close()

@@ -1,0 +1,68 @@
+(Demo plate 120 x 80: a facing frame, three bores by helix, a ring of holes, an engraved star)
+(Zero point: front left corner, top face. Programmed on the cutter's centre line.)
+%L BORE
+(P10 P11 centre, P12 path radius, P13 depth)
+N10 G00 X[P10 + P12] Y[P11]
+N20 G00 Z2
+N30 G01 Z0 F800
+N40 P14 = 0
+N50 $WHILE P14 < P13
+N60   P14 = MIN[P14 + 2, P13]
+N70   G03 X[P10 + P12] Y[P11] Z[-P14] I[-P12] F1800
+N80 $ENDWHILE
+N90 G03 I[-P12] (clean turn)
+N100 G01 X[P10] F2400
+N110 G00 Z5
+N120 M29
+
+%DEMO
+N10 G17 G90 G71 G94 G162 G54
+N20 M20 (clamp)
+N30 T1 M6
+N40 S9000 M3
+N50 G00 X-8 Y-8 Z20
+N60 M8
+N70 G00 Z2
+N80 G01 Z-2 F1500
+(frame with rounded corners)
+N90 G01 X-4 Y8 F4000
+N100 G01 Y72
+N110 G02 X8 Y84 I12 J0
+N120 G01 X112
+N130 G02 X124 Y72 I0 J-12
+N140 G01 Y8
+N150 G02 X112 Y-4 I-12 J0
+N160 G01 X8
+N170 G02 X-4 Y8 I0 J12
+N180 G00 Z5
+(three bores)
+N200 P12 = 8  P13 = 6  P11 = 40
+N210 $FOR P1 = 0, 2, 1
+N220   P10 = 25 + 35 * P1
+N230   LL BORE
+N240   $IF P1 == 1
+N250     P12 = 6
+N260   $ENDIF
+N270 $ENDFOR
+N280 M9
+(ring of holes)
+N300 T2 M6
+N310 S12000 M3 M8
+N320 $FOR P1 = 0, 11, 1
+N330   G00 X[60 + 32 * COS[P1 * 30]] Y[40 + 32 * SIN[P1 * 30]]
+N340   G00 Z1
+N350   G01 Z-3 F1200
+N360   G04 0.05
+N370   G00 Z3 H12=[P1 + 1]
+N380 $ENDFOR
+(star)
+N400 G00 X[60 + 18] Y40
+N410 G01 Z-0.5 F1000
+N420 $FOR P1 = 1, 7, 1
+N430   G01 X[60 + 18 * COS[P1 * 1080 / 7]] Y[40 + 18 * SIN[P1 * 1080 / 7]] F5000
+N440 $ENDFOR
+N450 G00 Z20 M9
+N460 M5
+N470 G00 X0 Y0
+N480 M21 (unclamp)
+N490 M30

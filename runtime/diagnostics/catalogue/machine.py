@@ -1,0 +1,111 @@
+"""Alarms of the running machine: axes, program start, preparation, PLC supervision."""
+
+from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
+
+DRIVE_FAULT = ErrorEntry(
+    306001,
+    "drive of axis {axis} reports fault 0x{code:04X}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="look up the code in the drive's manual, remove the cause, then reset the channel",
+)
+DRIVE_OFFLINE = ErrorEntry(
+    306002,
+    "drive of axis {axis} does not answer",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check the drive's supply, its node id and the CAN cable, then reset the channel",
+)
+FOLLOWING_ERROR = ErrorEntry(
+    306003,
+    "following error of axis {axis} is {lag:.3f}, allowed are {limit:.3f}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="is the axis blocked, the servo too weak, or `following_error` too small for this feed?",
+)
+DRIVE_DROPPED = ErrorEntry(
+    50025,
+    "drive of axis {axis} left operation enabled by itself",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check the drive's enable input and supply, then reset the channel",
+    source="HLI, tracking mode",
+)
+PLC_NOT_RUNNING = ErrorEntry(
+    306011,
+    "the program does not start: the PLC does not run",
+    remedy="reset the channel to start the PLC again; an earlier alarm says why it ended",
+)
+AXES_NOT_READY = ErrorEntry(
+    306012,
+    "the program does not start: axis {axis} is not enabled",
+    remedy="switch the drives on, or reset the channel after a fault",
+)
+PREPARATION_SILENT = ErrorEntry(
+    306015,
+    "the preparation process does not answer",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="restart the runtime; the journal says why the process ended",
+)
+CYCLE_FAILED = ErrorEntry(
+    306016,
+    "the cycle failed: {reason}",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="this is an error of the runtime; keep the journal and report it",
+)
+PROCESS_LOST = ErrorEntry(
+    306017,
+    "a process of the runtime ended: {process}",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the journal has its last words; reset the channel to go on",
+)
+NOT_READY = ErrorEntry(
+    306012,
+    "the program does not start: axis {axis} is not enabled",
+    remedy="switch the drives on, or reset the channel after a fault",
+)
+PREPARATION_SILENT = ErrorEntry(
+    306015,
+    "the preparation process does not answer",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="restart the runtime; the journal says why the process ended",
+)
+CYCLE_FAILED = ErrorEntry(
+    306016,
+    "the cycle failed: {reason}",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="this is an error of the runtime; keep the journal and report it",
+)
+PROCESS_LOST = ErrorEntry(
+    306017,
+    "a process of the runtime ended: {process}",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the journal has its last words; reset the channel to go on",
+)
+NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
+NOT_READY = ErrorEntry(
+    306020,
+    "drives and PLC are not ready after {seconds:.0f} s",
+    remedy="the alarms before this one tell what is missing",
+)
+SIMULATION_STANDS = ErrorEntry(
+    306021,
+    "the program has been standing for {seconds:.0f} s and waits for {waits}",
+    remedy="does the PLC program acknowledge every function?",
+)
+STOP_ORDERED = ErrorEntry(
+    306022, "the runtime was asked to stop ({reason})", severity=Severity.MESSAGE, reaction=Reaction.NONE
+)
+CYCLE_NOT_STARTED = ErrorEntry(
+    306023,
+    "the cycle process did not start: {reason}",
+    severity=Severity.FATAL,
+    remedy="the lines before this one tell why",
+)
+AXIS_MOVED = ErrorEntry(
+    306024,
+    "axis {axis} stands at {now:.3f}, at the end of the last run it stood at {before:.3f}",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="was it moved while the control was off? if not, check its encoder before the first move",
+)

@@ -1,0 +1,149 @@
+"""All simulated nodes of a machine on one bus: drives, I/O nodes, and the plant around them.
+
+Nothing runs by itself: `poll` handles the frames that have come, `step` lets time pass. In one process with the
+master both are called between its write() and its read(); in a process of their own, by the loop in `__main__`.
+"""
+
+from __future__ import annotations
+
+import can
+
+from runtime.config.machine import Machine
+from runtime.fieldbus.boot import SYNC
+from runtime.fieldbus.links import DRIVE_EDS, IO_EDS, eds_path
+from runtime.fieldbus.network import PolledNetwork
+from runtime.fieldbus.simulator.drive import OVER_CURRENT, Fault, SimulatedDrive
+from runtime.fieldbus.simulator.encoder import EncoderFile
+from runtime.fieldbus.simulator.io import SimulatedIo
+from runtime.fieldbus.simulator.node import SimulatedNode
+from runtime.fieldbus.simulator.plant import SimulatedPlant
+
+OTHER_VENDOR = 0x1234
+
+
+class NodeNetwork(PolledNetwork):
+    """A network that several nodes share; the frames of nodes in `silent`, known by the COB-ID, don't go out."""
+
+    def __init__(self, bus: can.BusABC) -> None:
+        super().__init__(bus)
+        self.silent: set[int] = set()
+
+    def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
+        if can_id & 0x7F not in self.silent:
+            super().send_message(can_id, data, remote)
+
+
+class SimulatedNodes:
+    """The nodes of `machine` on `bus`. `encoders` keeps the positions across restarts."""
+
+    def __init__(
+        self,
+        machine: Machine,
+        bus: can.BusABC,
+        *,
+        plant: SimulatedPlant | None = None,
+        encoders: EncoderFile | None = None,
+    ) -> None:
+        self._bus = bus
+        self._network = NodeNetwork(bus)
+        self._encoders = encoders
+        self._now = 0.0
+        self._powered = False
+        self.plant = plant or SimulatedPlant()
+        self.drives: dict[int, SimulatedDrive] = {}
+        self.ios: dict[int, SimulatedIo] = {}
+        # A simulated node has the dictionary of our own EDS, whatever the real device would have.
+        for axis in machine.axes:
+            if drive := axis.drive:
+                position = encoders[drive.node] if encoders else 0.0
+                eds = eds_path(None, DRIVE_EDS)
+                self.drives[drive.node] = SimulatedDrive(drive.node, eds, self._network, drive.simulated, position)
+        for io in machine.fieldbus.io:
+            eds = eds_path(None, IO_EDS)
+            self.ios[io.node] = SimulatedIo(io.node, eds, self._network, io.inputs, io.outputs)
+        self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
+        self._network.subscribe(SYNC, self._on_sync)
+        for node in range(1, 128):
+            self._network.subscribe(0x700 + node, self._on_heartbeat)
+
+    def power_on(self, now: float) -> None:
+        """All nodes boot; done by the first `step` if not before."""
+        self._powered = True
+        self._now = now
+        self._network.step(now)
+        self._step_plant()
+        for node in self.nodes.values():
+            node.power_on(now)
+
+    def poll(self, now: float) -> int:
+        """Handle all frames that have come, at the time `now` (s); their number."""
+        self._now = now
+        count = 0
+        while (message := self._bus.recv(0)) is not None:
+            self._network.receive(message)
+            count += 1
+        return count
+
+    def receive(self, message: can.Message, now: float) -> None:
+        """Handle one frame that somebody else took from the bus."""
+        self._now = now
+        self._network.receive(message)
+
+    def step(self, now: float) -> None:
+        """Let the time be `now` (s): frames, then heartbeats, plant, motion, event-driven frames."""
+        if not self._powered:
+            self.power_on(now)
+        self.poll(now)
+        self._network.step(now)
+        self._step_plant()
+        for node in self.nodes.values():
+            node.step(now)
+        if self._encoders:
+            for drive in self.drives.values():
+                self._encoders[drive.id] = drive.servo.position
+
+    def _step_plant(self) -> None:
+        outputs: dict[str, bool] = {}
+        for io in self.ios.values():
+            outputs |= io.output_states()
+        inputs = self.plant.step(self._now, outputs)
+        for io in self.ios.values():
+            io.set_inputs(inputs)
+
+    def _on_sync(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        for node in self.nodes.values():
+            node._now = self._now
+            node.on_sync()
+
+    def _on_heartbeat(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        for node in self.nodes.values():
+            if not node.silent:
+                node.on_heartbeat(can_id - 0x700, self._now)
+
+    def inject(self, node: int, fault: Fault, code: int = OVER_CURRENT) -> None:
+        """Do something bad to a node; `code` is the error code of a drive fault. Raises KeyError: no such node."""
+        target = self.nodes[node]
+        match fault:
+            case Fault.SILENT:
+                target.silent = True
+                self._network.silent.add(node)
+            case Fault.REBOOT:
+                target.power_on(self._now)
+            case Fault.WRONG_VENDOR:
+                target.vendor_id = OTHER_VENDOR
+            case Fault.DRIVE:
+                self.drives[node].fail(code)
+            case Fault.FOLLOWING_ERROR:
+                self.drives[node].blocked = True
+            case Fault.ENCODER_FREEZE:
+                self.drives[node].freeze_encoder(True)
+
+    def heal(self, node: int) -> None:
+        """Undo what was injected; a fault of the drive stays until it is acknowledged."""
+        target = self.nodes[node]
+        target.silent = False
+        target.vendor_id = None
+        self._network.silent.discard(node)
+        if node in self.drives:
+            self.drives[node].blocked = False
+            self.drives[node].freeze_encoder(False)

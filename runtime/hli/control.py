@@ -1,0 +1,204 @@
+"""The CNC's side of the control units: what holds in this cycle, from the PLC where it has claimed the unit, else the
+operator.
+
+A unit is the PLC's if the area's `plc_present_w` and the unit's `enable_w` are both TRUE; then the operator's wish
+only lands in `request_r`, for the PLC to copy or to ignore. Otherwise the operator acts directly, and without an
+operator the defaults hold: override 100 %, no feed hold, axes released (hli.mech.operation-without-plc).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from runtime.diagnostics.errors import Problem
+from runtime.hli.layout import (
+    Axis,
+    AxisControl,
+    BoolUnit,
+    Channel,
+    ChannelControl,
+    ModeState,
+    ModeStateUnit,
+    OperatorUnit,
+    Uns32Unit,
+)
+from runtime.hli.memory import get_text, put_text
+from runtime.hli.modes import Wish
+
+FULL_OVERRIDE = 1000  # 0.1 %
+
+
+def sample_bool(unit: BoolUnit, present: bool, operator: bool) -> bool:
+    """The value in force in this cycle; `operator` is the operator's value, or the default where there is none."""
+    unit.request_r = operator
+    value = bool(unit.command_w) if present and unit.enable_w else operator
+    unit.state_r = value
+    return value
+
+
+def sample_uns32(unit: Uns32Unit, present: bool, operator: int) -> int:
+    """The same for whole numbers."""
+    unit.request_r = operator
+    value = int(unit.command_w) if present and unit.enable_w else operator
+    unit.state_r = value
+    return value
+
+
+class OneShot:
+    """A command that acts once per rising edge (reset, continue). `state_r` follows: the PLC takes its command back
+    then.
+
+    The operator's flag is lowered when it is taken. Routed to the PLC it stays visible in `request_r` until the PLC
+    commands, or until `withdraw`.
+    """
+
+    def __init__(self, unit: BoolUnit, operator: OperatorUnit | None = None, flag: str = "") -> None:
+        self._unit = unit
+        self._operator = operator
+        self._flag = flag
+        self._before = False
+
+    def sample(self, present: bool) -> bool:
+        """Whether the command is given in this cycle."""
+        unit = self._unit
+        claimed = present and bool(unit.enable_w)
+        asked = self._operator is not None and bool(getattr(self._operator, self._flag))
+        if asked:
+            setattr(self._operator, self._flag, False)
+            unit.request_r = True
+        command = claimed and bool(unit.command_w)
+        edge = (command and not self._before) or (asked and not claimed)
+        self._before = command
+        unit.state_r = command
+        if edge or not claimed:
+            unit.request_r = False
+        return edge
+
+    def withdraw(self) -> None:
+        """What was asked for is no longer of any use (nothing waits, nothing to reset)."""
+        self._unit.request_r = False
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """An order of the mode unit; `by_operator`: he waits for the answer."""
+
+    wish: Wish
+    by_operator: bool
+
+
+class ModeOrders:
+    """The mode unit of a channel, with usage check: orders are taken one by one."""
+
+    def __init__(self, unit: ModeStateUnit, operator: OperatorUnit) -> None:
+        self._unit = unit
+        self._operator = operator
+        self._order: Order | None = None
+
+    def take(self, present: bool) -> Order | None:
+        """The next order, or None. Each order must be closed by `answer` before the next one is taken."""
+        unit, operator = self._unit, self._operator
+        claimed = present and bool(unit.enable_w)
+        if not present:
+            unit.request_semaphor_rw = False  # who had claimed it is gone: nothing may start because of that
+        if claimed and operator.order_semaphor_rw and not unit.request_semaphor_rw:
+            unit.request_r = operator.order_w
+            unit.request_semaphor_rw = True
+            self._tell_operator(None)
+        if self._order is not None:
+            return None
+        if claimed and unit.command_semaphor_rw:
+            self._order = Order(_wish(unit.command_w), by_operator=False)
+            unit.command_semaphor_rw = False
+        elif unit.request_semaphor_rw and not claimed:  # the PLC has given the unit back with a request in it
+            self._order = Order(_wish(unit.request_r), by_operator=False)
+            unit.request_semaphor_rw = False
+        elif operator.order_semaphor_rw and not claimed:
+            self._order = Order(_wish(operator.order_w), by_operator=True)
+        return self._order
+
+    def answer(self, refusal: Problem | None = None) -> None:
+        """Close the order that was taken: accepted, or refused because of a problem."""
+        order, self._order = self._order, None
+        if order is not None and order.by_operator:
+            self._tell_operator(refusal)
+
+    def _tell_operator(self, refusal: Problem | None) -> None:
+        operator = self._operator
+        operator.answer_r = refusal.entry.id if refusal else 0
+        put_text(operator, "answer_text_r", refusal.text if refusal else "")
+        operator.order_semaphor_rw = False
+
+
+def _wish(order: ModeState) -> Wish:
+    return Wish(order.to_mode, order.to_state, get_text(order, "parameter"), order.from_mode, order.from_state)
+
+
+class ChannelCommands:
+    """All control units of a channel; `sample` once per cycle, then read the attributes."""
+
+    def __init__(self, channel: Channel, operator: OperatorUnit, max_override: int = FULL_OVERRIDE) -> None:
+        """`max_override` is P-CHAN-00056, 0.1 %."""
+        control: ChannelControl = channel.control
+        self._channel = channel
+        self._control = control
+        self._operator = operator
+        self._max_override = max_override
+        self._continue = OneShot(control.continue_motion, operator, "continue_motion_rw")
+        self._reset = OneShot(control.reset, operator, "reset_rw")
+        self.modes = ModeOrders(control.mode_and_state, operator)
+        self.feed_hold = False
+        self.override = 1.0  # share of the programmed feed
+        self.single_block = False
+        self.optional_stop = False
+        self.skip_levels = 0  # bit n-1 = level n
+        self.continue_motion = False  # TRUE in one cycle only
+        self.reset = False  # TRUE in one cycle only
+
+    def sample(self) -> None:
+        """Read what is commanded in this cycle and report it in the `state_r` of the units."""
+        control, operator = self._control, self._operator
+        present = bool(self._channel.plc_present_w)
+        self.feed_hold = sample_bool(control.feedhold, present, bool(operator.feedhold_w))
+        override = min(sample_uns32(control.override, present, int(operator.override_w)), self._max_override)
+        if not sample_bool(control.override_valid, present, True):
+            override = FULL_OVERRIDE
+        control.override.state_r = override
+        self.override = override / FULL_OVERRIDE
+        self.single_block = sample_bool(control.single_block, present, bool(operator.single_block_w))
+        self.optional_stop = sample_bool(control.optional_stop, present, bool(operator.optional_stop_w))
+        self.skip_levels = sample_uns32(control.program_block_ignore, present, int(operator.program_block_ignore_w))
+        self.continue_motion = self._continue.sample(present)
+        if not self._channel.status.wait_continue_r:
+            self._continue.withdraw()
+        self.reset = self._reset.sample(present)
+
+
+class AxisCommands:
+    """All control units of an axis or spindle; `sample` once per cycle, then read the attributes."""
+
+    def __init__(self, axis: Axis, max_override: int = 2 * FULL_OVERRIDE) -> None:
+        control: AxisControl = axis.control
+        self._axis = axis
+        self._control = control
+        self._max_override = max_override
+        self._reset = OneShot(control.reset)
+        self.drive_on = True
+        self.release = True  # feed enable
+        self.feed_hold = False
+        self.override = 1.0  # spindles and axes moved alone
+        self.reset = False  # TRUE in one cycle only
+
+    def sample(self) -> None:
+        """Read what is commanded in this cycle; without a PLC drives are on, axes released, override 100 %."""
+        control = self._control
+        present = bool(self._axis.plc_present_w)
+        self.drive_on = sample_bool(control.drive_on, present, True)
+        self.release = sample_bool(control.release_feedhold, present, True)
+        self.feed_hold = sample_bool(control.feedhold, present, False)
+        override = min(sample_uns32(control.override, present, FULL_OVERRIDE), self._max_override)
+        if not sample_bool(control.override_valid, present, True):
+            override = FULL_OVERRIDE
+        control.override.state_r = override
+        self.override = override / FULL_OVERRIDE
+        self.reset = self._reset.sample(present)

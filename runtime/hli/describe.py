@@ -1,0 +1,34 @@
+"""What the machine consists of, written into a new HLI from the machine description."""
+
+from __future__ import annotations
+
+from runtime.config.machine import AxisType, Machine
+from runtime.hli.layout import Hli
+from runtime.hli.memory import put_text
+
+AXIS_TYPE = {AxisType.LINEAR: 1, AxisType.ROTARY: 2, AxisType.SPINDLE: 4}  # P-AXIS-00018
+
+
+def describe_machine(hli: Hli, machine: Machine) -> None:
+    """Write names, numbers and types. The index of an axis is its index in the machine description."""
+    head = hli.head
+    put_text(head, "machine_name_r", machine.name)
+    head.cycle_time_r = round(machine.cycle.period * 1e6)
+    head.channels_r = len(machine.channels)
+    head.axes_r = len(machine.axes)
+    for area, axis in zip(hli.axes, machine.axes, strict=False):
+        put_text(area, "name_r", axis.name)
+        area.log_ax_n_r = axis.log_axis
+        area.axis_type_r = AXIS_TYPE[axis.type]
+    for area, channel in zip(hli.channels, machine.channels, strict=False):
+        put_text(area, "name_r", channel.name)
+        area.axis_count_r = len(channel.axes)
+        for i, name in enumerate(channel.axes):
+            area.axis_index_r[i] = machine.axis_index(name)
+
+
+def io_bits(machine: Machine) -> tuple[dict[str, int], dict[str, int]]:
+    """The image bit of every input and of every output: counted through over the I/O nodes, in their order."""
+    inputs = [name for node in machine.fieldbus.io for name in node.inputs]
+    outputs = [name for node in machine.fieldbus.io for name in node.outputs]
+    return {name: bit for bit, name in enumerate(inputs)}, {name: bit for bit, name in enumerate(outputs)}

@@ -1,0 +1,171 @@
+"""A test bench for PLC programs: the program, its inputs and outputs, and a CNC that hands out functions. No CNC
+needed.
+
+    bench = Bench(MyMachine, inputs=["clamp_closed"], outputs=["clamp_valve"])
+    m20 = bench.m(20)
+    bench.run(0.1)
+    assert bench.output("clamp_valve") and not m20.done
+    bench.set(clamp_closed=True)
+    bench.run(0.01)
+    assert m20.done
+
+Time is virtual: `run(2.0)` runs 500 cycles of 4 ms at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
+
+from runtime.hli.alarms import Report, take_report
+from runtime.hli.control import AxisCommands, ChannelCommands
+from runtime.hli.layout import Channel
+from runtime.hli.memory import HliMemory, put_text
+from runtime.hli.modes import Wish
+from runtime.hli.technology import Function, Kind, Sent, TechnologyPort
+from runtime.hli.units import REV_PER_MIN, to_int32
+from runtime.plc_logic.host import SPINDLE, PlcHost
+from runtime.plc_logic.program import Program
+
+P = TypeVar("P", bound=Program)
+WAIT = 0x2  # MVS_SVS
+NO_WAIT = 0x1  # MOS
+
+
+class Bench(Generic[P]):
+    """One channel with axes and spindles, as the program finds them in the HLI, and the CNC's answers to it."""
+
+    def __init__(
+        self,
+        program: type[P],
+        inputs: Sequence[str] = (),
+        outputs: Sequence[str] = (),
+        *,
+        axes: Sequence[str] = ("X", "Y", "Z"),
+        spindles: Sequence[str] = ("S",),
+        cycle_time: float = 0.004,
+        plant: Callable[[Bench[P]], None] | None = None,
+    ) -> None:
+        """`plant` is called before every cycle: it may look at outputs and set inputs, as the real machine would."""
+        self.memory = HliMemory.private()
+        hli = self.hli = self.memory.hli
+        self._inputs = {name: bit for bit, name in enumerate(inputs)}
+        self._outputs = {name: bit for bit, name in enumerate(outputs)}
+        self._period_ns = round(cycle_time * 1e9)
+        self._plant = plant
+        self.time_ns = 0
+        hli.head.channels_r = 1
+        hli.head.axes_r = len(axes) + len(spindles)
+        self.channel: Channel = hli.channels[0]
+        put_text(self.channel, "name_r", "bench")
+        self._axis_index = {name: i for i, name in enumerate((*axes, *spindles))}
+        for name, index in self._axis_index.items():
+            put_text(hli.axes[index], "name_r", name)
+            hli.axes[index].axis_type_r = SPINDLE if name in spindles else 1
+        self._port = TechnologyPort(self.channel)
+        self._axis_ports = {name: TechnologyPort(hli.axes[i]) for name, i in self._axis_index.items()}
+        self.commands = ChannelCommands(self.channel, hli.operator[0], max_override=2000)
+        self.axis_commands = {name: AxisCommands(hli.axes[i]) for name, i in self._axis_index.items()}
+        self.reports: list[Report] = []  # what the program has reported, coming and going
+        self.orders: list[Wish] = []  # orders of the mode unit that reached the CNC
+        self.host = PlcHost(program, self.memory, self._inputs, self._outputs)
+        self.host.start(0)
+        assert isinstance(self.host.program, program)
+        self.program: P = self.host.program
+
+    # ------------------------------------------------------------------ the machine
+
+    def set(self, **inputs: bool) -> None:
+        """Set inputs by name."""
+        image = self.hli.image.digital_in_r
+        for name, value in inputs.items():
+            byte, bit = divmod(self._inputs[name], 8)
+            image[byte] = image[byte] | 1 << bit if value else image[byte] & ~(1 << bit)
+
+    def output(self, name: str) -> bool:
+        """An output as it stands in the process image."""
+        byte, bit = divmod(self._outputs[name], 8)
+        return bool(self.hli.image.digital_out_w[byte] & 1 << bit)
+
+    def spindle(self, name: str, speed: float, *, at_speed: bool = True) -> None:
+        """Let a spindle report this speed, rev/min."""
+        status = self.hli.axes[self._axis_index[name]].spindle
+        status.actual_speed_r = status.command_speed_r = to_int32(speed, REV_PER_MIN)
+        status.rev_erreicht_r = at_speed and speed != 0
+        status.rev_null_r = speed == 0
+
+    @property
+    def alarms(self) -> list[str]:
+        """Texts that stand."""
+        return self.host.alarms
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+        return self.time_ns * 1e-9
+
+    # ------------------------------------------------------------------ the NC program
+
+    def m(self, number: int, value: int = 0, *, wait: bool = True, line: int = 0) -> Sent:
+        """Put out an M function; `done` of the result tells when it is acknowledged."""
+        return self._put(self._port, Function(Kind.M, number, value, WAIT if wait else NO_WAIT, line))
+
+    def h(self, number: int, value: int = 0, *, wait: bool = True, line: int = 0) -> Sent:
+        """Put out an H function."""
+        return self._put(self._port, Function(Kind.H, number, value, WAIT if wait else NO_WAIT, line))
+
+    def t(self, tool: int, *, wait: bool = False, line: int = 0) -> Sent:
+        """Put out a T function."""
+        return self._put(self._port, Function(Kind.T, tool, 0, WAIT if wait else NO_WAIT, line))
+
+    def s(self, number: int, speed: float = 0.0, *, spindle: str = "S", wait: bool = True, line: int = 0) -> Sent:
+        """Put out a spindle function (3, 4, 5, 19), speed in rev/min."""
+        function = Function(
+            Kind.S, number, 0, WAIT if wait else NO_WAIT, line, revolutions=to_int32(speed, REV_PER_MIN)
+        )
+        return self._put(self._axis_ports[spindle], function)
+
+    def reset(self) -> None:
+        """Let the CNC reset its channel: all functions are withdrawn."""
+        for port in (self._port, *self._axis_ports.values()):
+            port.drop_all()
+
+    # ------------------------------------------------------------------ time
+
+    def cycle(self) -> None:
+        """One PLC cycle, with the CNC around it."""
+        self.time_ns += self._period_ns
+        if self._plant is not None:
+            self._plant(self)
+        self.commands.sample()
+        for axis in self.axis_commands.values():
+            axis.sample()
+        if (order := self.commands.modes.take(bool(self.channel.plc_present_w))) is not None:
+            self.orders.append(order.wish)
+            self.commands.modes.answer()
+        self.hli.platform.plc_cycle_request_r += 1
+        self.host.cycle(self.time_ns)
+        for port in (self._port, *self._axis_ports.values()):
+            port.poll()
+        if (report := take_report(self.hli.platform.lc_error)) is not None:
+            self.reports.append(report)
+
+    def run(self, seconds: float) -> None:
+        """Run cycles for this time."""
+        end_ns = self.time_ns + round(seconds * 1e9)
+        while self.time_ns < end_ns:
+            self.cycle()
+
+    def run_until(self, condition: Callable[[], bool], seconds: float = 10.0) -> float:
+        """Run until the condition holds; returns the seconds that took. TimeoutError after `seconds`."""
+        begin_ns = self.time_ns
+        while not condition():
+            if self.time_ns - begin_ns > seconds * 1e9:
+                raise TimeoutError(f"not fulfilled within {seconds} s; alarms: {self.alarms}")
+            self.cycle()
+        return (self.time_ns - begin_ns) * 1e-9
+
+    def _put(self, port: TechnologyPort, function: Function) -> Sent:
+        sent = port.put(function)
+        assert sent is not None, "all technology units are in use: let the program run"
+        return sent

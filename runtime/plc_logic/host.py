@@ -1,0 +1,249 @@
+"""The host of a PLC program: binds it to an HLI and runs its cycles, in the PLC process or inside a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from runtime.diagnostics.catalogue import plc as catalogue
+from runtime.hli.layout import Axis, Channel, Hli
+from runtime.hli.memory import HliMemory, get_text, put_text
+from runtime.hli.technology import Taken, TechnologyTaker
+from runtime.plc_logic.areas import AxisPort, ChannelPort, SpindlePort
+from runtime.plc_logic.cycle_time import cycle_at_ns
+from runtime.plc_logic.errors import PlcError, PlcFailure
+from runtime.plc_logic.handlers import NcFunction, nc_function
+from runtime.plc_logic.image import Io
+from runtime.plc_logic.loader import failure
+from runtime.plc_logic.program import ByName, Program
+from runtime.plc_logic.reports import Reports
+
+SPINDLE = 4  # axis_type_r
+
+
+@dataclass(slots=True)
+class _Call:
+    """A function that is being carried out. Without a handler, `handler` is empty."""
+
+    taken: Taken
+    function: NcFunction
+    handler: str
+    start_ns: int
+    sequence: Iterator[None] | None = None  # of a handler that is a generator
+
+
+class _Source:
+    """Where functions come from: a channel or an axis."""
+
+    def __init__(self, area: Channel | Axis) -> None:
+        self.name = get_text(area, "name_r")
+        self.taker = TechnologyTaker(area, self._forget)
+        self.calls: list[_Call] = []
+        self.was_reset = False
+
+    def _forget(self) -> None:
+        self.calls = []
+        self.was_reset = True
+
+
+class PlcHost:
+    """Runs one program: `start`, then `cycle` once per PLC cycle, then `stop`.
+
+    `inputs` and `outputs` give the image bit of every name; channels and axes are named in the HLI. `clock_ns`, if
+    given, measures how long a cycle takes. `watchdog_us` is the longest gap between two cycles that the CNC accepts.
+    """
+
+    def __init__(
+        self,
+        program: type[Program],
+        memory: HliMemory,
+        inputs: Mapping[str, int],
+        outputs: Mapping[str, int],
+        *,
+        watchdog_us: int = 50_000,
+        clock_ns: Callable[[], int] | None = None,
+    ) -> None:
+        hli = memory.hli
+        self._hli: Hli = hli
+        self._platform = hli.platform
+        self._name = program.__name__
+        self._watchdog_us = watchdog_us
+        self._clock_ns = clock_ns
+        self._last_ns: int | None = None
+        self._channels: list[Channel] = [hli.channels[i] for i in range(hli.head.channels_r)]
+        self._axes: list[Axis] = [hli.axes[i] for i in range(hli.head.axes_r)]
+        self._areas: list[Channel | Axis] = [*self._channels, *self._axes]
+        self._sources = [_Source(area) for area in self._areas]
+        self._io = Io(hli.image, inputs, outputs)
+        self._reports = Reports(hli.platform.lc_error)
+        channel_ports = [ChannelPort(channel) for channel in self._channels]
+        axis_ports = [SpindlePort(axis) if axis.axis_type_r == SPINDLE else AxisPort(axis) for axis in self._axes]
+        self._ports: list[ChannelPort | AxisPort] = [*channel_ports, *axis_ports]
+        self._program_type = program
+        self._bound = {
+            "io": self._io,
+            "channels": channel_ports,
+            "axes": ByName("axis", {port.name: port for port in axis_ports}),
+            "spindles": ByName("spindle", {port.name: port for port in axis_ports if isinstance(port, SpindlePort)}),
+            "time": 0.0,
+            "cycle_time": 0.0,
+            "_reports": self._reports,
+        }
+        self.program: Program
+
+    @property
+    def alarms(self) -> list[str]:
+        """Texts of the alarms, warnings and messages that stand."""
+        return self._reports.standing
+
+    @property
+    def waiting(self) -> list[NcFunction]:
+        """The technology functions that are being carried out."""
+        return [call.function for source in self._sources for call in source.calls]
+
+    def start(self, time_ns: int) -> None:
+        """Make the program, call its setup(), and log on. `time_ns` is the runtime's clock. Raises PlcFailure."""
+        with cycle_at_ns(time_ns):
+            try:
+                self.program = self._program_type()
+                vars(self.program).update(self._bound)
+                self.program.time = time_ns * 1e-9
+                for area in self._areas:
+                    _give_back(area)
+                self.program.setup()
+            except (Exception, SystemExit) as error:
+                raise self._failed(failure(catalogue.PLC_SETUP_RAISED, self._name, error)) from error
+        self._platform.plc_error_id_w = 0
+        for source in self._sources:
+            source.taker.restart()
+        for channel in self._channels:
+            channel.watchdog.cycle_time_w = self._watchdog_us
+            channel.watchdog.alive_rw = True
+            channel.watchdog.enable_w = True
+        for area in (self._platform, *self._areas):
+            area.plc_present_w = True
+
+    def cycle(self, time_ns: int) -> None:
+        """One PLC cycle. Raises PlcFailure if the program does; then nothing of this cycle reaches outputs and CNC.
+
+        The log-on flags stay: a PLC that failed has not given up its responsibility, so the CNC goes on waiting.
+        """
+        request = int(self._platform.plc_cycle_request_r)
+        begin_ns = self._clock_ns() if self._clock_ns is not None else 0
+        program = self.program
+        program.time = time_ns * 1e-9
+        program.cycle_time = 0.0 if self._last_ns is None else (time_ns - self._last_ns) * 1e-9
+        self._last_ns = time_ns
+        with cycle_at_ns(time_ns):
+            try:
+                self._io.read_inputs()
+                finished = self._carry_out(time_ns)
+                program.cycle()
+            except PlcFailure as error:
+                raise self._failed(error) from None
+            except (Exception, SystemExit) as error:
+                raise self._failed(failure(catalogue.PLC_RAISED, self._name, error)) from error
+        self._io.write_outputs()
+        for taken in finished:  # after the outputs: what is acknowledged has been commanded
+            taken.done()
+        for port in self._ports:
+            port.update()
+        self._reports.update()
+        for channel in self._channels:
+            channel.watchdog.alive_rw = True
+        if self._clock_ns is not None:
+            self._platform.plc_cycle_time_ns_w = self._clock_ns() - begin_ns
+        self._platform.plc_cycle_done_w = request
+
+    def stop(self) -> None:
+        """Log off on purpose: the operator gets all units back, and the CNC no longer waits for acknowledgements."""
+        for area in (self._platform, *self._areas):
+            area.plc_present_w = False
+        for channel in self._channels:
+            channel.watchdog.enable_w = False
+        for area in self._areas:
+            _give_back(area)
+
+    # ------------------------------------------------------------------ technology functions
+
+    def _carry_out(self, time_ns: int) -> list[Taken]:
+        """Call the handlers of all functions that wait; the functions that are finished."""
+        was_reset = False
+        for source in self._sources:
+            for taken in source.taker.take():
+                source.calls.append(self._call(taken, source.name, time_ns))
+            was_reset |= source.was_reset
+            source.was_reset = False
+        if was_reset:
+            self.program.on_reset()
+        finished: list[Taken] = []
+        for source in self._sources:
+            if source.calls:
+                open_calls = []
+                for call in source.calls:
+                    if self._advance(call, time_ns):
+                        finished.append(call.taken)
+                    else:
+                        open_calls.append(call)
+                source.calls = open_calls
+        return finished
+
+    def _call(self, taken: Taken, area: str, time_ns: int) -> _Call:
+        function = nc_function(taken.function, area)
+        handlers = self.program.handlers
+        name = handlers.get((function.kind, function.number)) or handlers.get((function.kind, None)) or ""
+        return _Call(taken, function, name, time_ns)
+
+    def _advance(self, call: _Call, time_ns: int) -> bool:
+        """One cycle of a function; whether it is finished."""
+        function = call.function
+        function.elapsed = (time_ns - call.start_ns) * 1e-9
+        if not call.handler:
+            entry = catalogue.PLC_NO_HANDLER if function.acknowledged else catalogue.PLC_NO_HANDLER_MOS
+            self._reports.report(entry, entry.text.format(function=function, line=function.line), function.line)
+            return not function.acknowledged
+        self._reports.line = function.line
+        result = self._step(call)
+        self._reports.line = 0
+        if result is not True and result is not False:
+            raise PlcError(
+                catalogue.PLC_HANDLER_RESULT, handler=f"{self._name}.{call.handler}", result=result, function=function
+            )
+        return result
+
+    def _step(self, call: _Call) -> object:
+        if call.sequence is None:
+            result = getattr(self.program, call.handler)(call.function)
+            if not isinstance(result, Iterator):
+                return result
+            call.sequence = result
+        try:
+            next(call.sequence)
+        except StopIteration:
+            return True
+        return False
+
+    def _failed(self, error: PlcFailure) -> PlcFailure:
+        report_failure(self._hli, error)
+        return error
+
+
+def report_failure(hli: Hli, error: PlcFailure) -> None:
+    """Tell the CNC and whoever looks into the HLI why the PLC stands."""
+    platform = hli.platform
+    platform.plc_error_id_w = error.problem.entry.id
+    put_text(platform, "plc_error_text_w", "\n".join(part for part in (error.problem.text, error.trace) if part))
+    platform.plc_error_count_w += 1
+
+
+def _give_back(area: Channel | Axis) -> None:
+    """Take back every claim and command: those of a PLC that logs off, or of one that was killed."""
+    control = area.control
+    for name, *_ in control._fields_:
+        unit = getattr(control, name)
+        if name == "mode_and_state":
+            unit.request_semaphor_rw = False
+            unit.command_semaphor_rw = False
+        else:
+            unit.command_w = type(unit.command_w)(0)
+        unit.enable_w = False

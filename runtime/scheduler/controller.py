@@ -1,0 +1,279 @@
+"""The cycle of the machine: read, think, write. Everything it touches is built before the first call.
+
+    fieldbus read ─▶ inputs to the HLI ─▶ wake the PLC ─▶ channel and axes ─▶ status to the HLI ─▶ fieldbus write
+
+The same object runs in real time, woken by the clock, and in virtual time, as fast as it can. `cycle` never blocks; what goes
+wrong in it becomes an alarm and the reaction that the catalogue gives it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.axes.spindle import Spindle
+from runtime.cnc.axes.supervision import (
+    FAULT_DRIVE,
+    FAULT_DROPPED,
+    FAULT_LAG,
+    FAULT_OFFLINE,
+    AxisFault,
+    AxisSupervision,
+)
+from runtime.cnc.channel import Channel
+from runtime.cnc.interpolator import AxisLimits, Interpolator
+from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import CATALOGUE
+from runtime.diagnostics.catalogue import machine as alarms
+from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
+from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.drives import DriveState, DriveSystem
+from runtime.hli.memory import HliMemory, get_text
+from runtime.hli.technology import TechnologyPort
+from runtime.scheduler.alarms import AlarmList
+from runtime.scheduler.orders import Orders
+from runtime.scheduler.plc_link import PlcPartner, PlcSupervision
+from runtime.scheduler.publish import Publisher
+
+Floats = npt.NDArray[np.float64]
+RESET_TIME = 0.5  # s that the drives get to leave their fault
+_FAULTS = {
+    FAULT_DRIVE: alarms.DRIVE_FAULT,
+    FAULT_OFFLINE: alarms.DRIVE_OFFLINE,
+    FAULT_LAG: alarms.FOLLOWING_ERROR,
+    FAULT_DROPPED: alarms.DRIVE_DROPPED,
+}
+
+
+class Controller:
+    """A whole machine in the cycle: one channel, its axes and spindles, the PLC's partner."""
+
+    def __init__(
+        self,
+        machine: Machine,
+        drives: DriveSystem,
+        memory: HliMemory,
+        events: EventRing,
+        queue: MotionQueue,
+        link: PreparationLink,
+        plc: PlcPartner | None,
+        wall_clock: Callable[[], int],
+        *,
+        real_drives: bool = True,
+    ) -> None:
+        self.machine = machine
+        self.drives = drives
+        self.memory = memory
+        self.events = events
+        hli = memory.hli
+        self._hli = hli
+        self.alarms = AlarmList(hli, events, wall_clock)
+        described = machine.channels[0]
+        self._path_axes = np.array([machine.axis_index(name) for name in described.axes])
+        path_axes = [machine.axes[i] for i in self._path_axes]
+        period = machine.cycle.period
+        self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)))
+        indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
+        spindles = [Spindle(machine.axes[i], i, period) for i in indices]
+        self.channel = Channel(
+            queue,
+            self.interpolator,
+            link,
+            TechnologyPort(hli.channels[0]),
+            spindles,
+            [TechnologyPort(hli.axes[i]) for i in indices],
+            events,
+            period,
+        )
+        self.supervision = AxisSupervision(machine, drives.image)
+        self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
+        self.orders = Orders(machine, hli)
+        self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
+        self.cycle_number = 0
+        self.time = 0.0
+        self._wanted = np.zeros(len(machine.axes), dtype=np.bool_)
+        self._states_before = drives.image.state.copy()
+        self._process_lost_before = 0
+        self._stopping = False
+        self._moving_before = False
+
+    # ------------------------------------------------------------------ the cycle
+
+    def cycle(self, time: float) -> None:
+        """One cycle at `time` seconds since the start of the runtime."""
+        self.time = time
+        self.cycle_number += 1
+        self._hli.head.cycle_r = self.cycle_number
+        self._hli.head.time_ns_r = int(time * 1e9)
+        self.drives.read()
+        self.publisher.inputs()
+        self.orders.sample()
+        self._watch_axes()
+        self._watch_plc()
+        self.publisher.outputs()
+        self._obey()
+        self._move()
+        self.publisher.status(self.orders.inputs.override)
+        self.drives.write()
+
+    def _move(self) -> None:
+        """Path and spindles: one set-point for every axis."""
+        image = self.drives.image
+        enabled = image.state == DriveState.OPERATION_ENABLED
+        path_enabled = bool(enabled[self._path_axes].all())
+        ready = path_enabled and self.orders.axes_released
+        self.channel.step(self.orders.inputs, ready, image.actual_velocity, self.time, self.cycle_number)
+        if self.channel.active:
+            tracking = ~enabled[self._path_axes]
+            target = self.interpolator.position
+            if tracking.any():
+                target = np.where(tracking, image.actual_position[self._path_axes], target)
+            image.target_position[self._path_axes] = target
+        for spindle in self.channel.spindles:
+            spindle.step(self.orders.spindle_override(spindle.index), bool(enabled[spindle.index]))
+            image.target_velocity[spindle.index] = spindle.set_point
+        for problem in self._take_problems():
+            self.alarm(problem)
+
+    def _take_problems(self) -> list[Problem]:
+        found: list[Problem] = []
+        while self.channel.problems:
+            found.append(self.channel.problems.popleft())
+        return found
+
+    # ------------------------------------------------------------------ watching
+
+    def _watch_axes(self) -> None:
+        image = self.drives.image
+        self.orders.drives_wanted(self._wanted)
+        if self._stopping and self._at_rest():
+            self._wanted[:] = False
+        for fault in self.supervision.monitor(self._wanted):
+            self._axis_fault(fault)
+        while image.events:
+            event = image.events.popleft()
+            entry = CATALOGUE.get(event.error_id, alarms.DRIVE_FAULT)
+            name = self.machine.axes[event.axis].name if event.axis >= 0 else "-"
+            self.alarm(Problem(entry, {"axis": name, "node": event.node, "code": event.code}), event.axis)
+        changed = np.flatnonzero(image.state != self._states_before)
+        for i in changed:
+            self._event(EventKind.DRIVE, number=int(i), value=float(image.state[i]), axis=int(i))
+        if len(changed):
+            self._states_before[:] = image.state
+
+    def _axis_fault(self, fault: AxisFault) -> None:
+        axis = self.machine.axes[fault.axis]
+        values: dict[str, object] = {
+            "axis": axis.name,
+            "code": int(fault.value),
+            "lag": fault.value,
+            "limit": axis.following_error,
+        }
+        self.alarm(Problem(_FAULTS[fault.kind], values), fault.axis)
+
+    def _watch_plc(self) -> None:
+        plc = self.plc
+        if plc is None:
+            return
+        was = plc.running
+        plc.wake(self.time)
+        problem = plc.judge(int(self.time * 1e9))
+        if plc.running != was:
+            self._event(EventKind.PLC, number=int(plc.running))
+        if problem is not None:
+            self.alarm(problem)
+        plc.reports(self.alarm, self.alarms.close)
+        platform = self._hli.platform
+        if platform.process_lost_w != self._process_lost_before:
+            self._process_lost_before = int(platform.process_lost_w)
+            text = get_text(platform, "process_lost_text_w")
+            self.alarm(Problem(alarms.PROCESS_LOST, {"process": text}))
+
+    # ------------------------------------------------------------------ orders and reactions
+
+    def _obey(self) -> None:
+        """What operator and PLC order in this cycle: reset, start, abort."""
+        orders, channel = self.orders, self.channel
+        if orders.take_reset():
+            self.reset()
+        refused = orders.mode_step(channel)
+        if refused is not None:
+            self.alarm(refused)
+        if orders.abort_ordered:
+            channel.abort()
+        if orders.start_program is not None:
+            self._start(orders.start_program)
+        moving = channel.active
+        if moving != self._moving_before or orders.mode_changed:
+            self._moving_before = moving
+            self._event(EventKind.MODE, number=orders.mode, value=float(orders.state))
+
+    def _start(self, program: str) -> None:
+        problem = self._hindrance()
+        if problem is not None:
+            self.orders.start_refused()
+            self.alarm(problem)
+            return
+        position = self.drives.image.target_position[self._path_axes].copy()
+        self.publisher.program(program)
+        self.channel.start(program, position, self.orders.skip_levels)
+
+    def _hindrance(self) -> Problem | None:
+        """Why no program can start now."""
+        image = self.drives.image
+        if self.channel.error is not None:
+            return Problem(alarms.CHANNEL_IN_ERROR)
+        for i in self._path_axes:
+            if image.state[i] != DriveState.OPERATION_ENABLED:
+                return Problem(alarms.AXES_NOT_READY, {"axis": self.machine.axes[i].name})
+        if self.plc is not None and not self.plc.running:
+            return Problem(alarms.PLC_NOT_RUNNING)
+        return None
+
+    def alarm(self, problem: Problem, axis: int = -1) -> int:
+        """Tell it, and react as the catalogue says; returns its number in the history."""
+        self._react(problem.entry)
+        return self.alarms.add(problem, time=self.time, cycle=self.cycle_number, axis=axis)
+
+    def _react(self, entry: ErrorEntry) -> None:
+        if entry.reaction is Reaction.QUICK_STOP:
+            self.supervision.quick_stop()
+            self.channel.fail(entry)
+            self.channel.abort_at_once(self.drives.image.actual_position[self._path_axes].copy())
+        elif entry.reaction in (Reaction.STOP_ON_PATH, Reaction.STOP_AT_BLOCK_END):
+            self.channel.fail(entry)
+
+    def reset(self) -> None:
+        """Abort what runs, acknowledge faults and alarms, start the PLC again if it was lost."""
+        self.channel.reset()
+        self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
+        self.alarms.acknowledge()
+        if self.plc is not None:
+            self.plc.restart()
+        self._event(EventKind.RESET)
+
+    # ------------------------------------------------------------------ the end
+
+    def stop(self) -> None:
+        """Bring everything to rest: the path brakes, the spindles stop, then the drives are switched off."""
+        self._stopping = True
+        self.channel.reset()
+
+    @property
+    def stopped(self) -> bool:
+        """After `stop`: everything is at rest and no drive is enabled."""
+        states = self.drives.image.state
+        return self._stopping and self._at_rest() and not bool((states == DriveState.OPERATION_ENABLED).any())
+
+    def _at_rest(self) -> bool:
+        actual = self.drives.image.actual_velocity
+        return not self.channel.active and all(spindle.standing(actual[spindle.index]) for spindle in self.channel.spindles)
+
+    def _event(self, kind: EventKind, number: int = 0, value: float = 0.0, axis: int = -1) -> None:
+        self.events.put(
+            Event(t=self.time, cycle=self.cycle_number, kind=kind, number=number, value=value, axis=axis)
+        )

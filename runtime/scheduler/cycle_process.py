@@ -1,0 +1,183 @@
+"""The cycle process: fieldbus, interpolator, axes, owner of the HLI; `python -m runtime.scheduler.cycle_process`.
+
+Order of its life: kernels warm ─ shared memories made ─ bus booted ─ real-time privileges ─ cycles ─ on SIGTERM the axes
+brake on the path, the drives are switched off, the process ends.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import signal
+import sys
+import time
+import traceback
+from pathlib import Path
+from types import FrameType
+
+from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.config import load_machine
+from runtime.config.machine import AxisType, Machine
+from runtime.diagnostics.catalogue import machine as alarms
+from runtime.diagnostics.errors import Problem, TandemError
+from runtime.diagnostics.events import EventRing
+from runtime.drives import DriveSystem
+from runtime.fieldbus.bus import open_bus
+from runtime.fieldbus.master import CanopenMaster
+from runtime.hli.memory import HliMemory
+from runtime.kernels import warm_up
+from runtime.scheduler import names
+from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.controller import Controller
+from runtime.scheduler.plc_link import PlcProcess
+from runtime.scheduler.clock import RealTimeClock
+from runtime.scheduler.realtime import prepare_realtime
+from runtime.scheduler.retained import RetainedStore, state_directory
+from runtime.scheduler.statistics import CycleStatistics
+
+_STOP_LIMIT = 10.0  # s that axes and spindles get to come to rest
+_COMPARE_AFTER = 20  # cycles until every drive has told where it is
+_MOVED = 1.0  # mm or degrees
+_BOOT_PAUSE = 0.0002  # s between two looks at the bus while it boots
+
+
+class CycleProcess:
+    """Everything of the machine that lives in the real-time process."""
+
+    def __init__(self, machine: Machine, name: str, wake_descriptor: int) -> None:
+        self.machine = machine
+        n_axes = len(machine.channels[0].axes)
+        self.memory = HliMemory.create(name)
+        self.memory.hli.head.machine_name_r = machine.name.encode()
+        self.events = EventRing(names.events(name))
+        self.queue = MotionQueue(n_axes, names.queue(name, 0))
+        self.link = PreparationLink(n_axes, names.link(name, 0))
+        self.statistics = CycleStatistics(names.statistics(name))
+        self.drives: DriveSystem = CanopenMaster(
+            machine, open_bus(machine.fieldbus.bus), now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
+        )
+        plc = PlcProcess(wake_descriptor, self.memory.hli) if machine.plc.program else None
+        self.controller = Controller(
+            machine, self.drives, self.memory, self.events, self.queue, self.link, plc, wall_clock=time.time_ns
+        )
+        self._stop_reason = ""
+        self._positions_before: dict[str, float] = {}
+
+    def ask_to_stop(self, number: int, _frame: FrameType | None) -> None:
+        """Signal handler: the cycles go on until everything is at rest."""
+        self._stop_reason = signal.Signals(number).name
+
+    def restore(self) -> None:
+        """The alarm history of earlier runs, and where the axes stood."""
+        store = RetainedStore(state_directory(self.machine.state_directory, os.environ))
+        retained, problems = store.load()
+        self.controller.alarms.restore(retained.alarms)
+        self._positions_before = dict(retained.positions)
+        for problem in problems:
+            self.controller.alarm(problem)
+
+    def _compare_positions(self) -> None:
+        """An axis that stands elsewhere than at the end of the last run was moved, or its encoder has lost its place."""
+        for i, axis in enumerate(self.machine.axes):
+            before = self._positions_before.get(axis.name)
+            actual = float(self.drives.image.actual_position[i])
+            if axis.type is not AxisType.SPINDLE and before is not None and abs(actual - before) > _MOVED:
+                values = {"axis": axis.name, "before": before, "now": actual}
+                self.controller.alarm(Problem(alarms.AXIS_MOVED, values), i)
+
+    def run(self) -> int:
+        """Boot the bus, then cycle until asked to stop; the exit code."""
+        self.drives.start()
+        machine = self.machine
+        for problem in prepare_realtime(machine.cycle.priority, machine.cycle.cpu):
+            print(problem, file=sys.stderr)
+            self.controller.alarm(problem)
+        clock = RealTimeClock(machine.cycle.period)
+        self.memory.hli.head.running_r = True
+        platform = self.memory.hli.platform
+        controller, statistics = self.controller, self.statistics
+        give_up_at = 0.0
+        while not controller.stopped:
+            lateness = clock.wait()
+            begin = clock.now_ns()
+            now = begin * 1e-9
+            try:
+                controller.cycle(now)
+            except Exception:
+                return self._fail(clock)
+            work = clock.now_ns() - begin
+            statistics.work.add(work)
+            statistics.lateness.add(lateness)
+            platform.work_time_ns_r = work
+            platform.lateness_ns_r = lateness
+            platform.overruns_r = clock.overruns
+            if clock.cycle == _COMPARE_AFTER:
+                self._compare_positions()
+            if self._stop_reason and not give_up_at:
+                give_up_at = now + _STOP_LIMIT
+                controller.alarm(Problem(alarms.STOP_ORDERED, {"reason": self._stop_reason}))
+                controller.stop()
+            if give_up_at and now > give_up_at:
+                break
+        self.drives.stop()
+        return 0
+
+    def _fail(self, clock: RealTimeClock) -> int:
+        """An error of the runtime itself: drives brake by their own ramp; then end, so that the service starts anew."""
+        text = traceback.format_exc()
+        print(text, file=sys.stderr)
+        controller = self.controller
+        with contextlib.suppress(Exception):
+            controller.alarm(Problem(alarms.CYCLE_FAILED, {"reason": text.strip().splitlines()[-1]}))
+        image = self.drives.image
+        image.quick_stop[:] = True
+        for _ in range(round(2.0 / self.machine.cycle.period)):
+            clock.wait()
+            self.drives.read()
+            image.target_position[:] = image.actual_position
+            self.drives.write()
+        self.drives.stop()
+        return 1
+
+    def close(self, *, clean: bool) -> None:
+        """Leave the shared memories; after a failure they stay for whoever looks for the cause."""
+        self.memory.hli.head.running_r = False
+        self.events.close(unlink=clean)
+        self.queue.close(unlink=True)
+        self.link.close(unlink=True)
+        self.statistics.close(unlink=clean)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--machine", type=Path)
+    parser.add_argument("--name", required=True)
+    parser.add_argument("--wake", type=int, default=-1, help="eventfd that wakes the PLC")
+    arguments = parser.parse_args()
+    die_with_parent()
+    try:
+        machine = load_machine(arguments.machine)
+        warm_up()
+        process = CycleProcess(machine, arguments.name, arguments.wake)
+    except TandemError as error:
+        for problem in error.problems:
+            print(problem.explained(), file=sys.stderr)
+        return 1
+    signal.signal(signal.SIGTERM, process.ask_to_stop)
+    try:
+        process.restore()
+        code = process.run()
+    except TandemError as error:
+        for problem in error.problems:
+            print(problem.explained(), file=sys.stderr)
+            process.controller.alarm(problem)
+        process.drives.stop()
+        code = 1
+    process.close(clean=code == 0)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

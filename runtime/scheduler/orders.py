@@ -1,0 +1,146 @@
+"""What operator and PLC want, sampled once per cycle, and the operating mode that comes of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.channel import Channel, ChannelInputs
+from runtime.config.machine import Machine
+from runtime.diagnostics.errors import Problem
+from runtime.hli.control import AxisCommands, ChannelCommands
+from runtime.hli.layout import Hli, Mode, State
+from runtime.hli.modes import Action, Refusal, Wish, next_step
+
+
+class Orders:
+    """Control units of the channel and of all axes, and the mode unit with its way to the wanted state."""
+
+    def __init__(self, machine: Machine, hli: Hli) -> None:
+        described = machine.channels[0]
+        self._hli = hli
+        self._channel_commands = ChannelCommands(
+            hli.channels[0], hli.operator[0], described.parameters.max_vb_override
+        )
+        self._axis_commands = [AxisCommands(hli.axes[i]) for i in range(len(machine.axes))]
+        self._path_commands = [self._axis_commands[machine.axis_index(name)] for name in described.axes]
+        self._unit = hli.channels[0].control.mode_and_state
+        self.inputs = ChannelInputs()
+        self.axes_released = True
+        self.mode = Mode.STANDBY
+        self.state = State.SELECTED
+        self.mode_changed = False
+        self.start_program: str | None = None  # in this cycle
+        self.abort_ordered = False  # in this cycle
+        self._reset_ordered = False
+        self._hold = False  # by the mode unit
+        self._program = ""  # loaded
+        self._wish: Wish | None = None
+
+    def sample(self) -> None:
+        """Start of the cycle: read every control unit."""
+        commands = self._channel_commands
+        commands.sample()
+        for axis in self._axis_commands:
+            axis.sample()
+        self.axes_released = all(axis.release and not axis.feed_hold for axis in self._path_commands)
+        inputs = self.inputs
+        inputs.override = commands.override
+        inputs.feed_hold = commands.feed_hold or self._hold
+        inputs.single_block = commands.single_block
+        inputs.optional_stop = commands.optional_stop
+        inputs.continue_motion = commands.continue_motion
+
+    def drives_wanted(self, wanted: npt.NDArray[np.bool_]) -> None:
+        """Fill `wanted` (n_axes,): which drives shall be on."""
+        for i, axis in enumerate(self._axis_commands):
+            wanted[i] = axis.drive_on
+
+    def spindle_override(self, axis: int) -> float:
+        """Share of the programmed speed."""
+        return self._axis_commands[axis].override
+
+    @property
+    def skip_levels(self) -> int:
+        """Bit n-1 is skip level n."""
+        return self._channel_commands.skip_levels
+
+    def take_reset(self) -> bool:
+        """A reset is ordered in this cycle, by the channel's unit, an axis' unit or the mode unit."""
+        ordered = self._channel_commands.reset or self._reset_ordered
+        for axis in self._axis_commands:
+            ordered = ordered or axis.reset
+        self._reset_ordered = False
+        return ordered
+
+    # ------------------------------------------------------------------ mode unit
+
+    def mode_step(self, channel: Channel) -> Problem | None:
+        """One step of the mode unit; a refused order is handed back as a problem."""
+        self.start_program = None
+        self.abort_ordered = False
+        before = (self.mode, self.state)
+        self._follow(channel)
+        refused = self._take_order()
+        self._unit.mode_r = self.mode
+        self._unit.state_r = self.state
+        self.mode_changed = (self.mode, self.state) != before
+        return refused
+
+    def _follow(self, channel: Channel) -> None:
+        """The state is what the channel does."""
+        if self.mode is Mode.STANDBY:
+            return
+        if channel.error is not None:
+            self.state = State.ERROR
+        elif channel.active:
+            self.state = State.HOLD if channel.held else State.ACTIVE
+        elif self.state in (State.ACTIVE, State.HOLD, State.ERROR):
+            self.state = State.SELECTED
+            self._hold = False
+
+    def _take_order(self) -> Problem | None:
+        modes = self._channel_commands.modes
+        if self._wish is None:
+            order = modes.take(bool(self._hli.channels[0].plc_present_w))
+            if order is None:
+                return None
+            self._wish = order.wish
+        for _ in range(4):  # the longest way has three steps
+            step = next_step(self.mode, self.state, self._wish)
+            if step is None:
+                break
+            if isinstance(step, Refusal):
+                self._wish = None
+                modes.answer(step.problem)
+                return step.problem
+            self._carry_out(step.action, step.parameter)
+            self.mode, self.state = step.mode, step.state
+            if step.rest is None:
+                break
+            self._wish = step.rest
+        self._wish = None
+        modes.answer()
+        return None
+
+    def _carry_out(self, action: Action, parameter: str) -> None:
+        if action is Action.LOAD:
+            self._program = parameter
+        elif action is Action.UNLOAD:
+            self._program = ""
+        elif action is Action.START:
+            self.start_program = self._program
+            self._hold = False
+        elif action is Action.HOLD:
+            self._hold = True
+        elif action is Action.CONTINUE:
+            self._hold = False
+        elif action is Action.ABORT:
+            self.abort_ordered = True
+        elif action is Action.RESET:
+            self._reset_ordered = True
+
+    def start_refused(self) -> None:
+        """The channel could not start: the program is not active."""
+        self.state = State.SELECTED
+        self._unit.state_r = self.state

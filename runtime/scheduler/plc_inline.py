@@ -1,0 +1,47 @@
+"""The PLC program inside the simulation: the same host as in the PLC process, called when its cycle is due."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from runtime.config.machine import Machine
+from runtime.hli.memory import HliMemory
+from runtime.plc_logic.errors import PlcFailure
+from runtime.plc_logic.host import PlcHost
+from runtime.scheduler.plc_program import make_host
+
+
+class InlinePlc:
+    """A PLC partner in the same process and in virtual time. A program that failed stays silent until it is restarted."""
+
+    def __init__(self, machine: Machine, memory: HliMemory, base: Path | None) -> None:
+        self._machine = machine
+        self._memory = memory
+        self._base = base
+        self._host: PlcHost | None = None
+        self._failed = False
+        self.frozen = False  # for tests: as if the process were stopped
+
+    @property
+    def host(self) -> PlcHost:
+        """The host of the running program; made at the first wake, when the HLI knows the machine's names."""
+        assert self._host is not None
+        return self._host
+
+    def wake(self, time: float) -> None:
+        if self._failed or self.frozen:
+            return
+        time_ns = int(time * 1e9)
+        try:
+            if self._host is None:
+                self._host = make_host(self._machine, self._memory, self._base)
+                self._host.start(time_ns)
+            self._host.cycle(time_ns)
+        except PlcFailure:  # the host has told the HLI why
+            self._failed = True
+
+    def restart(self) -> None:
+        self._host = None
+        self._failed = False
+
+

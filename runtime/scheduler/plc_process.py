@@ -1,0 +1,137 @@
+"""The PLC process: `python -m runtime.scheduler.plc_process --machine FILE|demo --hli NAME --wake-fd N`.
+
+It attaches to the HLI, loads the user's program, and runs one PLC cycle each time the cycle process raises the
+eventfd N. It ends
+
+- on SIGTERM, after the cycle under way: the PLC logs off (exit code 0);
+- when the runtime has ended or died: at once, at the latest by the kernel's signal at the death of the parent (0);
+- when the program cannot be loaded (3) or raises (4): the reason is in the HLI and on standard error, the PLC stays
+logged on;
+- when there is no HLI to attach to (5), or the machine description is wrong (6).
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from runtime.config.loader import DEMO_MACHINE, ConfigurationError, load_machine
+from runtime.config.machine import Machine
+from runtime.hli.describe import io_bits
+from runtime.hli.errors import HliError
+from runtime.hli.memory import HliMemory
+from runtime.plc_logic.errors import PlcFailure
+from runtime.plc_logic.host import PlcHost, report_failure
+from runtime.plc_logic.loader import load_program
+
+EXIT_LOAD, EXIT_RAISED, EXIT_NO_HLI, EXIT_CONFIGURATION = 3, 4, 5, 6
+PATIENCE_MS = 200  # without a wake-up: look whether the runtime still lives
+PR_SET_PDEATHSIG = 1
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the PLC until something ends it; returns the exit code."""
+    options = _options(arguments)
+    _die_with_parent()
+    stop = _StopRequest()
+    try:
+        path = DEMO_MACHINE if options.machine == "demo" else Path(options.machine)
+        machine = load_machine(path)
+    except ConfigurationError as error:
+        return _complain(EXIT_CONFIGURATION, *(problem.explained() for problem in error.problems))
+    try:
+        memory = HliMemory.attach(options.hli)
+    except HliError as error:
+        return _complain(EXIT_NO_HLI, error.problem.explained())
+    with memory:
+        try:
+            host = load_host(machine, path.parent, memory)
+            host.start(int(memory.hli.head.time_ns_r))
+        except PlcFailure as failure:
+            return _complain(EXIT_LOAD, failure.problem.explained(), failure.trace)
+        # here the process becomes a real-time process: everything is loaded, nothing has run yet
+        try:
+            _run(host, memory, options.wake_fd, stop)
+        except PlcFailure as failure:
+            return _complain(EXIT_RAISED, failure.problem.explained(), failure.trace)
+        host.stop()
+    return 0
+
+
+def load_host(machine: Machine, directory: Path, memory: HliMemory) -> PlcHost:
+    """The host of the machine's PLC program; a failure is written into the HLI too. Raises PlcFailure."""
+    assert machine.plc.program is not None
+    try:
+        program = load_program(machine.plc.program, directory)
+    except PlcFailure as failure:
+        report_failure(memory.hli, failure)
+        raise
+    inputs, outputs = io_bits(machine)
+    return PlcHost(
+        program, memory, inputs, outputs, watchdog_us=round(machine.plc.watchdog * 1e6), clock_ns=time.perf_counter_ns
+    )
+
+
+class _StopRequest:
+    """SIGTERM asks for an end after the cycle under way. SIGINT goes to the runtime, which then stops the PLC."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        signal.signal(signal.SIGTERM, self._ask)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def _ask(self, *_: object) -> None:
+        self.asked = True
+
+
+def _run(host: PlcHost, memory: HliMemory, wake_fd: int, stop: _StopRequest) -> None:
+    """One PLC cycle per request of the CNC. Wake-ups that came while a cycle ran are one: the CNC counts the
+    overrun."""
+    head, platform = memory.hli.head, memory.hli.platform
+    waiter = select.poll()
+    waiter.register(wake_fd, select.POLLIN)
+    has_run = False
+    while not stop.asked:
+        if waiter.poll(PATIENCE_MS):
+            os.eventfd_read(wake_fd)
+            if platform.plc_cycle_request_r != platform.plc_cycle_done_w:
+                host.cycle(int(head.time_ns_r))
+        elif not memory.owner_alive:
+            return
+        has_run |= bool(head.running_r)
+        if has_run and not head.running_r:
+            return
+
+
+def _die_with_parent() -> None:
+    """The kernel kills this process when the thread that started it ends: a PLC without its CNC has nothing to do.
+
+    SIGKILL, because user code that hangs would not see anything milder.
+    """
+    ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="plc_process", description="The PLC process of a Tandem runtime.")
+    parser.add_argument("--machine", required=True, help="machine description, or demo")
+    parser.add_argument("--hli", required=True, help="name of the runtime's shared memory")
+    parser.add_argument("--wake-fd", required=True, type=int, help="eventfd that the runtime raises for each PLC cycle")
+    return parser.parse_args(arguments)
+
+
+def _complain(code: int, *texts: str) -> int:
+    for text in texts:
+        if text:
+            print(text, file=sys.stderr, flush=True)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,54 @@
+"""The preparation process of one channel: `python -m runtime.scheduler.preparation_process`."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import time
+from pathlib import Path
+from types import FrameType
+
+from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.path_preparation import PumpState
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.config import load_machine
+from runtime.kernels import warm_up
+from runtime.scheduler import names
+from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.preparation import Preparation
+
+_IDLE = 0.002  # s between two looks at the link when there is nothing to do
+_FULL = 0.001  # s until the cycle has made room
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--machine", type=Path)
+    parser.add_argument("--name", required=True)
+    parser.add_argument("--channel", type=int, default=0)
+    parser.add_argument("--dialect", default="isg")
+    arguments = parser.parse_args()
+    die_with_parent()
+    stopping = False
+
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        nonlocal stopping
+        stopping = True
+
+    signal.signal(signal.SIGTERM, stop)
+    machine = load_machine(arguments.machine)
+    warm_up()
+    n_axes = len(machine.channels[arguments.channel].axes)
+    queue = MotionQueue(n_axes, names.queue(arguments.name, arguments.channel), create=False)
+    link = PreparationLink(n_axes, names.link(arguments.name, arguments.channel), create=False)
+    preparation = Preparation(machine, arguments.channel, queue, link, dialect=arguments.dialect)
+    while not stopping:
+        state = preparation.poll()
+        if state is not PumpState.MORE:
+            time.sleep(_FULL if state is PumpState.FULL else _IDLE)
+    queue.close()
+    link.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,281 @@
+"""The whole machine in one process under a virtual clock: `tandem simulate` and every test of behaviour.
+
+Same preparation, same controller, same PLC program, same CANopen master against simulated nodes as in the real machine; only
+the clock and the bus differ. Two runs do the same, bit by bit.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.block_json import rows
+from runtime.cnc.blocks import Block
+from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.path_preparation import PumpState
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import machine as alarms
+from runtime.diagnostics.errors import Problem, Severity
+from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.drives import DriveSystem, IdealDrives
+from runtime.fieldbus.simulator.plant import SimulatedPlant
+from runtime.hli.layout import Mode, State, StopCondition
+from runtime.hli.memory import HliMemory
+from runtime.scheduler.controller import Controller
+from runtime.scheduler.plc_inline import InlinePlc
+from runtime.scheduler.plc_link import PlcPartner
+from runtime.scheduler.preparation import Preparation
+from runtime.scheduler.trace import SampleRecorder, TraceWriter
+
+Floats = npt.NDArray[np.float64]
+START_LIMIT = 30.0  # s until the drives and the PLC must be ready
+STANDING_LIMIT = 120.0  # s without any event or motion: nobody will answer any more
+CONTINUE_AFTER = 1.0  # s that the simulated operator takes to press continue after M00
+_EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the virtual machine starts here
+_instances = itertools.count()
+
+
+@dataclass(slots=True)
+class Result:
+    """What a simulated program did."""
+
+    time: float = 0.0  # s, from cycle start to program end
+    path_length: float = 0.0  # mm
+    positions: dict[str, float] = field(default_factory=dict)
+    problems: list[str] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    parameters: dict[int, float] = field(default_factory=dict)
+    cycles: int = 0
+
+    @property
+    def good(self) -> bool:
+        return not self.problems
+
+    def summary(self) -> dict[str, object]:
+        """The object of summary.json."""
+        return {
+            "time_s": round(self.time, 9),
+            "path_length_mm": round(self.path_length, 9),
+            "positions": self.positions,
+            "errors": self.problems,
+            "variables": {f"P{number}": value for number, value in sorted(self.parameters.items())},
+            "messages": [event.text for event in self.events if event.kind is EventKind.MESSAGE],
+        }
+
+
+class Simulation:
+    """A machine in virtual time. `cycle` moves it one cycle on; `run_program` does a program from start to end.
+
+    `partner` takes the place of the PLC program that the machine description names; `plc=False` runs without any.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        *,
+        ideal_axes: bool = False,
+        dialect: str = "isg",
+        trace: Path | None = None,
+        samples: bool = False,
+        plc: bool = True,
+        partner: Callable[[HliMemory], PlcPartner] | None = None,
+        base: Path | None = None,
+        start_position: Floats | None = None,
+    ) -> None:
+        self.machine = machine
+        self.period = machine.cycle.period
+        self.time = 0.0
+        self._steps = 0
+        channel = machine.channels[0]
+        self.memory = HliMemory.private()
+        self.events = EventRing()
+        self.queue = MotionQueue(len(channel.axes))
+        self.link = PreparationLink(len(channel.axes))
+        self.writer = TraceWriter(trace) if trace else None
+        self.samples = SampleRecorder(channel.axes) if trace or samples else None
+        self.preparation = Preparation(
+            machine, 0, self.queue, self.link, dialect=dialect, on_block=self._trace_block if trace else None
+        )
+        self._plant: SimulatedPlant | None = None
+        self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
+        self.plc: PlcPartner | None = None
+        if partner is not None:
+            self.plc = partner(self.memory)
+        elif plc and machine.plc.program:
+            self.plc = InlinePlc(machine, self.memory, base)
+        self.drives.start()
+        self.controller = Controller(
+            machine,
+            self.drives,
+            self.memory,
+            self.events,
+            self.queue,
+            self.link,
+            self.plc,
+            wall_clock=lambda: _EPOCH_NS + int(self.time * 1e9),
+            real_drives=not ideal_axes,
+        )
+        self.controller.channel.trace_blocks = trace is not None
+        self.memory.hli.head.running_r = True
+        self.log: list[Event] = []  # every event so far
+        self._quiet_since = 0.0
+
+    # ------------------------------------------------------------------ building
+
+    def _build_drives(self, ideal: bool, start: Floats | None) -> tuple[DriveSystem, Callable[[], None]]:
+        if ideal:
+            drives = IdealDrives(len(self.machine.axes), start)
+            plant = SimulatedPlant(self.machine.fieldbus.io)
+            image = drives.image
+            return drives, lambda: plant.step(self.time, image.digital_out, image.digital_in)
+        import can
+
+        from runtime.fieldbus.master import CanopenMaster
+        from runtime.fieldbus.simulator import SimulatedNodes
+
+        name = f"tandem-simulation-{next(_instances)}"
+        nodes_bus = can.Bus(name, interface="virtual")
+        master_bus = can.Bus(name, interface="virtual")
+        self.nodes = SimulatedNodes(self.machine, nodes_bus, start_position=start)
+
+        def step() -> None:
+            self.nodes.step(self.time)
+
+        def idle() -> None:  # while the master boots: the nodes and the virtual time go on
+            self._advance()
+            step()
+
+        return CanopenMaster(self.machine, master_bus, now=lambda: self.time, idle=idle), step
+
+    def _trace_block(self, block: Block) -> None:
+        if self.writer is not None:
+            for row in rows(block, self.machine.channels[0].axes):
+                self.writer.block(row)
+
+    def _advance(self) -> None:
+        self._steps += 1
+        self.time = self._steps * self.period
+
+    # ------------------------------------------------------------------ time
+
+    def cycle(self) -> None:
+        """One cycle of the machine, with all that the other processes do meanwhile."""
+        while self.preparation.poll() is PumpState.MORE:
+            pass
+        self._advance()
+        self.controller.cycle(self.time)
+        self._step_nodes()
+        if self.samples is not None and self.controller.channel.active:
+            path = self.controller.interpolator
+            self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0))
+        for event in self.events.take():
+            self.log.append(event)
+            if self.writer is not None:
+                self.writer.event(event)
+            self._quiet_since = self.time
+
+    def run_until(self, condition: Callable[[], bool], limit: float) -> bool:
+        """Cycles until `condition` holds; FALSE if it does not within `limit` s of virtual time."""
+        end = self.time + limit
+        while not condition():
+            if self.time >= end:
+                return False
+            self.cycle()
+        return True
+
+    def ready(self) -> bool:
+        """Drives enabled, PLC running: a program can start."""
+        plc = self.controller.plc
+        return bool(self.controller.supervision.enabled.all()) and (plc is None or plc.running)
+
+    # ------------------------------------------------------------------ operator
+
+    def order(self, mode: Mode, state: State, parameter: str = "") -> None:
+        """Give an order to the mode unit as the operator."""
+        operator = self.memory.hli.operator[0]
+        order = operator.order_w
+        order.from_mode = order.from_state = 0
+        order.to_mode, order.to_state = mode, state
+        order.parameter = parameter.encode()
+        operator.order_semaphor_rw = True
+
+    def start(self, program: Path) -> None:
+        """Order a program; it is active a cycle later."""
+        self.order(Mode.AUTOMATIC, State.ACTIVE, str(program))
+
+    # ------------------------------------------------------------------ a whole program
+
+    def run_program(self, program: Path, *, progress: Callable[[float, int], None] | None = None) -> Result:
+        """From cycle start to program end, or to the error that ends it."""
+        if not self.run_until(self.ready, START_LIMIT):
+            return self._result(0.0, [str(Problem(alarms.NOT_READY, {"seconds": START_LIMIT}))])
+        self.start(program)
+        begin = self.time
+        self.cycle()
+        channel = self.controller.channel
+        extra: list[str] = []
+        for count in itertools.count():
+            if not channel.active:
+                break
+            self.cycle()
+            self._simulated_operator()
+            if not channel.interpolator.standstill:
+                self._quiet_since = self.time
+            if self.time - self._quiet_since > STANDING_LIMIT:
+                waits = StopCondition(channel.stop_condition)
+                extra.append(str(Problem(alarms.SIMULATION_STANDS, {"seconds": STANDING_LIMIT, "waits": waits.name})))
+                break
+            if progress and count % 1000 == 0:
+                progress(self.time - begin, channel.interpolator.line)
+        result = self._result(self.time - begin, extra)
+        return result
+
+    def _simulated_operator(self) -> None:
+        """Presses continue where the program waits for it (M00, single block)."""
+        waits = self.controller.channel.stop_condition & StopCondition.WAIT_CONTINUE
+        if waits and self.time - self._quiet_since > CONTINUE_AFTER:
+            self.memory.hli.operator[0].continue_motion_rw = True
+
+    def _result(self, time: float, extra: list[str]) -> Result:
+        image = self.drives.image
+        names = self.machine.channels[0].axes
+        decoder = self.preparation.decoder
+        errors = [
+            f"{event.number}: {event.text}"
+            for event in self.log
+            if event.kind is EventKind.ERROR and event.value >= Severity.ERROR
+        ]
+        return Result(
+            time=time,
+            path_length=self.controller.interpolator.path_position,
+            positions={name: float(image.target_position[self.machine.axis_index(name)]) for name in names},
+            problems=errors + extra,
+            events=list(self.log),
+            parameters=dict(decoder.parameters) if decoder else {},
+            cycles=self.controller.cycle_number,
+        )
+
+    def close(self, result: Result | None = None) -> None:
+        """Write what stands at the end of the trace, leave the bus."""
+        self.drives.stop()
+        if self.writer is not None and self.samples is not None:
+            self.writer.close(self.samples, (result or Result()).summary())
+        self.memory.close()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        if self.writer is None:
+            self.close()
+
+
+def events_of(events: list[Event], *kinds: EventKind) -> Iterator[Event]:
+    """The events of the given kinds, in order."""
+    return (event for event in events if event.kind in kinds)

@@ -1,0 +1,261 @@
+"""The service process of `tandem run`: starts the others, watches them, writes the journal, keeps what must survive.
+
+    service ──┬── cycle          real time: bus, interpolator, axes
+              ├── plc            the user's program
+              ├── preparation    one per channel
+              └── drives         simulated, if asked for
+
+Any process that ends leaves the axes at rest: the cycle stops the path when PLC or preparation are gone, the drives stop when
+the cycle is gone (heartbeat), and every child stops when this process is gone. What happened stands in the journal and in the
+alarm history of the HLI.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import machine as alarms
+from runtime.diagnostics.errors import Problem, Severity, TandemError
+from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.hli.errors import HliError
+from runtime.hli.memory import HliMemory
+from runtime.monitoring.metrics import MetricsCollector, MetricsServer, start_metrics_server
+from runtime.scheduler import names
+from runtime.scheduler.alarms import AlarmList, history
+from runtime.scheduler.children import Child
+from runtime.scheduler.journal import Journal, write_event, write_problem
+from runtime.scheduler.notify import Notifier
+from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
+from runtime.scheduler.statistics import CycleStatistics
+
+_BOOT_LIMIT = 60.0  # s until the cycle must run
+_STOP_LIMIT = 15.0  # s that the cycle gets to bring the machine to rest
+_RETAIN_EVERY = 1.0  # s
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """How the machine is started."""
+
+    machine_file: Path | None
+    name: str = "tandem"
+    dialect: str = "isg"
+    simulated_drives: bool = False
+
+
+class SupervisorError(TandemError):
+    """The machine cannot be started."""
+
+
+class Supervisor:
+    """Start with `start`, call `poll` about ten times a second, end with `stop`."""
+
+    def __init__(self, machine: Machine, options: RunOptions, journal: Journal) -> None:
+        self.machine = machine
+        self.options = options
+        self.journal = journal
+        self.memory: HliMemory | None = None
+        self.on_event: Callable[[Event], None] | None = None
+        self._notifier = Notifier.from_environment(os.environ)
+        state = state_directory(machine.state_directory, os.environ)
+        self._store = RetainedStore(state)
+        self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
+        self._events: EventRing | None = None
+        self.statistics: CycleStatistics | None = None
+        self._metrics: MetricsServer | None = None
+        self._collector: MetricsCollector | None = None
+        self._retain_at = 0.0
+        self._cycle_before = -1
+        self._plc_restarts = 0
+        self._failed = False
+        self._retain_failed = False
+        self._axis_names = [axis.name for axis in machine.axes]
+        common = ["--name", options.name]
+        if options.machine_file is not None:
+            common += ["--machine", str(options.machine_file)]
+        self.cycle = Child(
+            "cycle", "runtime.scheduler.cycle_process", [*common, "--wake", str(self._wake)], [self._wake]
+        )
+        self.preparation = Child(
+            "preparation", "runtime.scheduler.preparation_process", [*common, "--dialect", options.dialect]
+        )
+        self.plc = Child("PLC", "runtime.scheduler.plc_process", [*common, "--wake", str(self._wake)], [self._wake])
+        drives = ["--state", str(state / "simulated-drives.json")]
+        if options.machine_file is not None:
+            drives += ["--machine", str(options.machine_file)]
+        self.drives = Child("drives", "runtime.fieldbus.simulator", drives)
+
+    @property
+    def children(self) -> list[Child]:
+        """In the order in which they are started."""
+        chosen = [self.drives] if self.options.simulated_drives else []
+        chosen += [self.cycle, self.preparation]
+        return [*chosen, self.plc] if self.machine.plc.program else chosen
+
+    # ------------------------------------------------------------------ start
+
+    def start(self) -> None:
+        """Start every process; returns when the cycle runs. Raises SupervisorError."""
+        if self.options.simulated_drives:
+            self.drives.start()
+        self.cycle.start()
+        self._attach()
+        self.preparation.start()
+        if self.machine.plc.program:
+            self.plc.start()
+        self._start_metrics()
+        self._notifier.ready(f"{self.machine.name} runs")
+
+    def _attach(self) -> None:
+        end = time.monotonic() + _BOOT_LIMIT
+        while True:
+            if not self.cycle.running:
+                raise SupervisorError(alarms.CYCLE_NOT_STARTED, reason=self.cycle.end())
+            if time.monotonic() > end:
+                raise SupervisorError(alarms.CYCLE_NOT_STARTED, reason=f"not ready after {_BOOT_LIMIT:.0f} s")
+            try:
+                memory = HliMemory.attach(self.options.name)
+            except HliError:
+                time.sleep(0.05)
+                continue
+            if memory.hli.head.owner_pid_r == self.cycle.pid and memory.hli.head.running_r:
+                break
+            memory.close()
+            time.sleep(0.05)
+        self.memory = memory
+        self._events = EventRing(names.events(self.options.name), create=False)
+        self.statistics = CycleStatistics(names.statistics(self.options.name), create=False)
+
+    def _start_metrics(self) -> None:
+        settings = self.machine.metrics
+        if not settings.enabled or self.memory is None:
+            return
+        self._collector = MetricsCollector(self.memory.hli, self.machine, self.statistics)
+        try:
+            self._metrics = start_metrics_server(settings.host, settings.port, self._collector)
+        except TandemError as error:  # the machine runs without being watched, and says so
+            write_problem(self.journal, error.problem)
+
+    @property
+    def metrics_port(self) -> int:
+        """The port in use, 0 without metrics."""
+        return self._metrics.port if self._metrics else 0
+
+    # ------------------------------------------------------------------ watching
+
+    def poll(self) -> bool:
+        """Look after everything once; FALSE when the machine is down and there is nothing left to watch."""
+        self._drain_events()
+        if not self.cycle.running:
+            self._cycle_ended()
+            return False
+        self._watch_preparation()
+        self._watch_plc()
+        now = time.monotonic()
+        if now >= self._retain_at:
+            self._retain_at = now + _RETAIN_EVERY
+            self.retain()
+        assert self.memory is not None
+        cycle = self.memory.hli.head.cycle_r
+        if cycle != self._cycle_before:  # the watchdog is fed by the cycle, not by this process
+            self._cycle_before = cycle
+            self._notifier.feed_watchdog()
+        return True
+
+    def _drain_events(self) -> None:
+        if self._events is None:
+            return
+        for event in self._events.take():
+            error = event.kind is EventKind.ERROR
+            write_event(self.journal, event, self._axis_names, Severity(int(event.value)) if error else Severity.ERROR)
+            if self._collector is not None:
+                self._collector.count(event)
+            if self.on_event is not None:
+                self.on_event(event)
+
+    def _cycle_ended(self) -> None:
+        """The cycle is gone: the drives stop by themselves; tell why, in the journal and in what is left of the HLI."""
+        reason = self.cycle.end()
+        if reason == "exit code 0":
+            return
+        self._failed = True
+        problem = Problem(alarms.PROCESS_LOST, {"process": f"cycle: {reason}"})
+        write_problem(self.journal, problem)
+        if self.memory is not None and self._events is not None:
+            AlarmList(self.memory.hli, self._events, time.time_ns).add(problem)
+            self.memory.hli.head.running_r = False
+            self.retain()
+
+    def _watch_preparation(self) -> None:
+        if self.preparation.running:
+            return
+        self._tell_lost(self.preparation)
+        self.preparation.start()
+
+    def _watch_plc(self) -> None:
+        assert self.memory is not None
+        if not self.machine.plc.program:
+            return
+        if not self.plc.running and self.plc.process is not None:
+            self._tell_lost(self.plc)
+            self.plc.process = None
+        wanted = self.memory.hli.platform.plc_restart_request_r
+        if wanted != self._plc_restarts:
+            self._plc_restarts = wanted
+            if self.plc.process is not None:  # it hangs
+                self.plc.process.kill()
+                self.plc.process.wait()
+            self.plc.start()
+
+    def _tell_lost(self, child: Child) -> None:
+        """Hand the loss to the cycle, which stops the path and raises the alarm."""
+        assert self.memory is not None
+        platform = self.memory.hli.platform
+        platform.process_lost_text_w = f"{child.name}: {child.end()}".encode()
+        platform.process_lost_w += 1
+
+    def retain(self) -> None:
+        """Write what must survive: positions and alarm history."""
+        if self.memory is None:
+            return
+        hli = self.memory.hli
+        positions = {
+            axis.name: hli.axes[i].status.actual_position_r * 1e-4 for i, axis in enumerate(self.machine.axes)
+        }
+        offsets = {channel.name: dict(channel.zero_offsets) for channel in self.machine.channels}
+        try:
+            self._store.save(Retained(positions, offsets, history(hli)))
+        except RetainedError as error:
+            if not self._retain_failed:  # told once, tried again every second
+                write_problem(self.journal, error.problem)
+            self._retain_failed = True
+        else:
+            self._retain_failed = False
+
+    # ------------------------------------------------------------------ stop
+
+    def stop(self) -> int:
+        """Bring the machine to rest and end every process; the exit code of the service."""
+        self._notifier.stopping()
+        if self.cycle.running:
+            self.cycle.terminate(_STOP_LIMIT)
+        self._drain_events()
+        self.retain()
+        for child in reversed(self.children):
+            child.terminate(2.0)
+        if self._metrics is not None:
+            self._metrics.close()
+        for resource in (self._events, self.statistics):
+            if resource is not None:
+                resource.close()
+        if self.memory is not None:
+            self.memory.close()
+        os.close(self._wake)
+        code = self.cycle.process.returncode if self.cycle.process else 1
+        return 1 if self._failed or code else 0
+
