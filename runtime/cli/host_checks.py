@@ -175,7 +175,7 @@ def sleep_states(host: Host, machine: Machine) -> Finding:
     if host.writable(host.root / "dev/cpu_dma_latency"):
         return Finding(name, Verdict.OK, f"wake-up within {deepest} µs, kept awake through /dev/cpu_dma_latency")
     remedy = (
-        "Give the user write access to /dev/cpu_dma_latency (systemd/80-tandem.rules), "
+        "Give the user write access to /dev/cpu_dma_latency (systemd/udev/80-tandem.rules), "
         "or boot with processor.max_cstate=1 intel_idle.max_cstate=1."
     )
     return Finding(name, Verdict.WARN, f"wake-up takes up to {deepest} µs", remedy)
@@ -207,7 +207,7 @@ def can(host: Host, machine: Machine) -> Finding:
         return Finding("CAN", Verdict.OK, f"interfaces: {', '.join(names) or 'none'}{unused}")
     if bus.channel not in names:
         remedy = (
-            f"Load the driver of the CAN card and name its interface {bus.channel} (systemd/80-can0.link), "
+            f"Load the driver of the CAN card and name its interface {bus.channel} (systemd/network/80-can0.link), "
             "or set fieldbus.bus.channel."
         )
         return Finding(
@@ -227,7 +227,7 @@ def _can_interface(host: Host, machine: Machine) -> Finding:
     found = f"{bus.channel}: {'up' if up else 'down'}, {state}" + (f", {bitrate} bit/s" if bitrate else "")
     start = f"ip link set {bus.channel} up type can bitrate {bus.bitrate} restart-ms 100"
     if not up:
-        return Finding("CAN", Verdict.FAIL, found, f"{start}; or systemd/80-can0.network for every boot")
+        return Finding("CAN", Verdict.FAIL, found, f"{start}; or systemd/network/80-can0.network for every boot")
     if bitrate and bitrate != bus.bitrate:
         remedy = f"The description says {bus.bitrate} bit/s: ip link set {bus.channel} down; {start}"
         return Finding("CAN", Verdict.FAIL, found, remedy)

@@ -108,14 +108,14 @@ def test_the_calls_of_the_runtime_pass_the_filter(call: str) -> None:
 @pytest.mark.skipif(os.geteuid() != 0, reason="making users and folders under another root needs root")
 def test_user_and_folders_are_made(tmp_path: Path) -> None:
     (tmp_path / "etc").mkdir()
-    users = run("systemd-sysusers", f"--root={tmp_path}", "-", stdin=Path("systemd/sysusers.conf").read_text())
+    users = run("systemd-sysusers", f"--root={tmp_path}", "-", stdin=Path("systemd/sysusers.d/tandem.conf").read_text())
     assert users.returncode == 0, users.stderr
     (account,) = (tmp_path / "etc/passwd").read_text().splitlines()
     name, _, uid, gid, _, home, shell = account.split(":")
     assert (name, home) == (settings(UNIT)["User"][0], "/var/lib/tandem")
     assert shell.endswith("nologin")
     folders = run(
-        "systemd-tmpfiles", f"--root={tmp_path}", "--create", "-", stdin=Path("systemd/tmpfiles.conf").read_text()
+        "systemd-tmpfiles", f"--root={tmp_path}", "--create", "-", stdin=Path("systemd/tmpfiles.d/tandem.conf").read_text()
     )
     assert folders.returncode == 0, folders.stderr
     programs = (tmp_path / "var/lib/tandem/programs").stat()
@@ -126,8 +126,8 @@ def test_user_and_folders_are_made(tmp_path: Path) -> None:
 
 def test_the_bus_of_the_network_file_is_that_of_the_example() -> None:
     bus = load_machine(Path("config/machine.yaml")).fieldbus.bus
-    network = settings(Path("systemd/80-can0.network"))
+    network = settings(Path("systemd/network/80-can0.network"))
     assert network["Name"] == [bus.channel]
     assert int(network["BitRate"][0].replace("M", "000000").replace("K", "000")) == bus.bitrate
     assert "RestartSec" in network
-    assert settings(Path("systemd/80-can0.link"))["Type"] == ["can"]
+    assert settings(Path("systemd/network/80-can0.link"))["Type"] == ["can"]
