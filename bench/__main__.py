@@ -3,7 +3,7 @@
     python -m bench                    all
     python -m bench fieldbus motion    these modules only
 
-The exit code is 0 whatever was measured: a figure depends on the computer, so a test must not depend on it. It is 1 if a
+The exit code is 0 whatever was measured: a figure depends on the computer, so no test may depend on it. It is 1 if a
 measurement fails.
 """
 

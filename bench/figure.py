@@ -8,7 +8,7 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """`limit`: what `value` should not exceed, or not fall below if `better` is "higher"; None where nothing is asked."""
+    """`limit`: what `value` should not exceed, or not fall below if `better` is "higher"; None: nothing is asked."""
 
     name: str
     value: float

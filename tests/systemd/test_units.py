@@ -114,9 +114,8 @@ def test_user_and_folders_are_made(tmp_path: Path) -> None:
     name, _, uid, gid, _, home, shell = account.split(":")
     assert (name, home) == (settings(UNIT)["User"][0], "/var/lib/tandem")
     assert shell.endswith("nologin")
-    folders = run(
-        "systemd-tmpfiles", f"--root={tmp_path}", "--create", "-", stdin=Path("systemd/tmpfiles.d/tandem.conf").read_text()
-    )
+    description = Path("systemd/tmpfiles.d/tandem.conf").read_text()
+    folders = run("systemd-tmpfiles", f"--root={tmp_path}", "--create", "-", stdin=description)
     assert folders.returncode == 0, folders.stderr
     programs = (tmp_path / "var/lib/tandem/programs").stat()
     assert (programs.st_uid, programs.st_gid, programs.st_mode & 0o777) == (int(uid), int(gid), 0o770)
