@@ -24,7 +24,7 @@ install: $(INSTALLED)
 
 $(INSTALLED):
 	@fits() { "$$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
-	if ! fits $(BIN)/python || ! grep -qsF "$$PWD" $(BIN)/pip; then
+	if ! fits $(BIN)/python || ! grep -qsF "$$PWD/.venv/" $(BIN)/pip; then
 	    rm -rf .venv
 	    for python in $(PYTHON) python3 python3.13 python3.12 python3.11 none; do
 	        if fits "$$python"; then break; fi

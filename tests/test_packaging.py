@@ -1,4 +1,4 @@
-"""What a fresh clone is installed from: the lock fits the project file and names no package index, no host, no folder."""
+"""What a fresh clone is installed from: the lock fits the project file and names no index, no host, no folder."""
 
 from __future__ import annotations
 
