@@ -20,7 +20,7 @@ from runtime.fieldbus.simulator import SimulatedNodes
 
 
 def fieldbus_cycle(cycles: int = 20_000) -> dict[str, float]:
-    """Median, 99th, 99.9th percentile and maximum of the master's read + write (µs), frames per cycle, the nodes' time."""
+    """The master's read + write in µs (median, percentiles, maximum), frames per cycle, the time of the nodes."""
     text = resources.files("runtime.demo").joinpath("machine.yaml").read_text(encoding="utf-8")
     description = yaml.safe_load(text)
     description["fieldbus"]["bus"] = {"interface": "virtual", "channel": "bench-fieldbus"}

@@ -22,8 +22,9 @@ import numpy.typing as npt
 from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
 from runtime.cnc.blocks import Synch, Technology
 from runtime.cnc.interpolator import Interpolator
-from runtime.cnc.motion_queue import GateReason, MotionQueue, QueueRecord, RecordKind
+from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
+from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
@@ -110,6 +111,7 @@ class Channel:
         self.program_ended = True
         self.trace_blocks = False  # every block start and end as an event
         self.block_counter = 0
+        self.path_length = 0.0  # mm, of the program that ended last
         self.problems: deque[Problem] = deque(maxlen=32)  # taken by the runtime, which raises the alarms
         self._waiting: list[_Waiting] = []
         self._overflow: deque[int] = deque()  # functions (queue records) for which the port had no room
@@ -195,6 +197,14 @@ class Channel:
         """Functions that are out, or due, and not yet acknowledged."""
         return len(self._waiting) + len(self._overflow)
 
+    @property
+    def programmed_feed(self) -> float:
+        """F word of the block being executed, mm/s; infinite for rapid, 0 without a block."""
+        index = self.interpolator.index
+        if not self.active or index < self.queue.read:
+            return 0.0
+        return float(self.queue.record(index)["feed"])
+
     # ------------------------------------------------------------------ the cycle
 
     def step(self, inputs: ChannelInputs, axes_ready: bool, speeds: Floats, time: float, cycle: int) -> None:
@@ -224,7 +234,7 @@ class Channel:
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
         for index in path.passed:
-            self._pass(self.queue.record(index), index)
+            self._pass(read_record(self.queue, index), index)
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
@@ -235,7 +245,7 @@ class Channel:
         if stop != self.stop_condition:
             standing = stop & ~StopCondition.OVERRIDE_ZERO
             kind = EventKind.STOP if standing else EventKind.GO
-            self._event(kind, path.line, path.n, number=int(stop))
+            self._event(kind, path.line, self._n, number=int(stop))
             self.stop_condition = stop
 
     def _out_of_blocks(self) -> StopCondition:
@@ -256,6 +266,7 @@ class Channel:
 
     def _cleared(self) -> None:
         self._tell_failure()
+        self.path_length = self.interpolator.path_position
         self.queue.discard_all()
         self.interpolator.restart(self.interpolator.position.copy())
         self._drop_functions()
@@ -270,7 +281,7 @@ class Channel:
         path = self.interpolator
         if path.gate < 0:
             return StopCondition.NONE
-        gate = self.queue.record(path.gate)
+        gate = read_record(self.queue, path.gate)
         if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
             if not path.at_gate:
                 return StopCondition.NONE
@@ -325,7 +336,7 @@ class Channel:
             self.block_counter += 1
 
     def _put_out_overflow(self) -> None:
-        while self._overflow and self._put_out(self.queue.record(self._overflow[0])):
+        while self._overflow and self._put_out(read_record(self.queue, self._overflow[0])):
             self._overflow.popleft()
 
     def _put_out(self, record: QueueRecord) -> bool:
@@ -365,6 +376,12 @@ class Channel:
 
     # ------------------------------------------------------------------ events
 
+    @property
+    def _n(self) -> int | None:
+        """Block number of the block being executed."""
+        n = self.interpolator.n
+        return None if n < 0 else n
+
     def _trace_block(self) -> None:
         """Block start and end events for the elements that were entered in this cycle."""
         index = self.interpolator.index
@@ -372,10 +389,10 @@ class Channel:
             return
         path = self.interpolator
         if self._traced_index >= 0:
-            old = self.queue.record(self._traced_index)
+            old = read_record(self.queue, self._traced_index)
             self._event(EventKind.BLOCK_END, old.line, old.n)
         self._traced_index = index
-        self._event(EventKind.BLOCK_START, path.line, path.n)
+        self._event(EventKind.BLOCK_START, path.line, self._n)
 
     def _event(
         self, kind: EventKind, line: int, n: int | None, number: int = 0, value: float = 0.0, axis: int = -1

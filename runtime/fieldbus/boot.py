@@ -153,7 +153,7 @@ class BootSequence:
 
     def _pdo_writes(self, link: DriveLink | IoLink) -> Iterator[tuple[int, int, int]]:
         """The order is that of CiA 301: switch off, empty, map, switch on; PDOs that nobody uses stay off."""
-        used = {plan.communication_index: plan for plan in link.pdos}
+        used = {plan.communication_index: plan for plan in link.layouts}
         for direction in Direction:
             for number in range(1, 5):
                 plan = PdoPlan(direction, number, ())

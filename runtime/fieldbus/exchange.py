@@ -30,6 +30,18 @@ SPINDLE_PDOS: Final = (
 
 READ_INPUTS: Final = 0x6000  # CiA 401, bytes
 WRITE_OUTPUTS: Final = 0x6200
+
+# struct codes of the exchanged objects, as the profiles prescribe; an EDS that says otherwise is refused
+CODES: Final = {
+    CONTROLWORD: "H",
+    STATUSWORD: "H",
+    POSITION_ACTUAL: "i",
+    VELOCITY_ACTUAL: "i",
+    TARGET_POSITION: "i",
+    TARGET_VELOCITY: "i",
+    READ_INPUTS: "B",
+    WRITE_OUTPUTS: "B",
+}
 IO_PROFILE: Final = 401
 IO_REFRESH: Final = 0.1  # s; inputs and outputs are sent when they change, and this often anyhow
 

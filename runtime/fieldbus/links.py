@@ -1,32 +1,26 @@
 """The master's picture of its nodes: what they must be, what the last frames told, what the next frames say.
 
-Built once from the machine description (`make_links`, which refuses what cannot be), then touched by the cycle only.
+Built once from the machine description (runtime.fieldbus.described), then touched by the cycle only.
 """
 
 from __future__ import annotations
 
-import configparser
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from importlib import resources
-from typing import Final
 
 import can
 import canopen
-from canopen.objectdictionary import ObjectDictionaryError
 
-from runtime.config.machine import Axis, AxisType, Drive, IoNode, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
-from runtime.drives import DIGITAL_BYTES, DriveEvent, DriveImage, DriveState
-from runtime.fieldbus import cia402, exchange
+from runtime.drives import DriveEvent, DriveImage, DriveState
+from runtime.fieldbus import cia402
 from runtime.fieldbus.cia402 import DriveControl, Mode
-from runtime.fieldbus.errors import FieldbusError
-from runtime.fieldbus.pdo import VALUE_RANGES, Direction, ObjectKey, PdoLayout, PdoPlan, find_variable, lay_out
-
-DRIVE_EDS: Final = "tandem_cia402.eds"
-IO_EDS: Final = "tandem_cia401.eds"
-MAX_IO_BITS: Final = 64  # of one node and direction: one PDO
+from runtime.fieldbus.pdo import (
+    Direction,
+    PdoLayout,
+    PdoPlan,
+)
 
 Receiver = Callable[[bytearray], None]
 
@@ -34,11 +28,6 @@ Receiver = Callable[[bytearray], None]
 def wrap32(value: int) -> int:
     """`value` as a signed 32-bit number, as the wire carries it."""
     return (value + 0x8000_0000) % 0x1_0000_0000 - 0x8000_0000
-
-
-def eds_path(file: str | None, default: str) -> str:
-    """Path of an EDS file; without `file` that of the simulated node."""
-    return file or str(resources.files("runtime.fieldbus").joinpath("eds", default))
 
 
 @dataclass(slots=True)
@@ -52,9 +41,8 @@ class NodeLink:
     product_code: int | None
     od: canopen.ObjectDictionary
     startup: list[tuple[int, int, int]]  # index, sub-index, value
-    pdos: tuple[PdoPlan, ...]
+    layouts: dict[PdoPlan, PdoLayout]  # the PDOs in use
     axis: int = -1  # index into the image, -1 for I/O
-    layouts: dict[PdoPlan, PdoLayout] = field(default_factory=dict)
     booted: bool = False
     nmt_state: int = 0
     last_heartbeat: float = 0.0  # s
@@ -62,7 +50,7 @@ class NodeLink:
     lost: bool = False
 
     def plan(self, direction: Direction, number: int = 1) -> PdoPlan | None:
-        return next((p for p in self.pdos if p.direction is direction and p.number == number), None)
+        return next((p for p in self.layouts if p.direction is direction and p.number == number), None)
 
     def receivers(self) -> dict[int, Receiver]:
         """COB-ID of each TPDO of the node → who takes its data."""
@@ -73,8 +61,18 @@ class NodeLink:
 
     def _frame(self, plan: PdoPlan) -> can.Message:
         """The one message that carries this RPDO in every cycle; only its data change."""
-        data = bytearray(self.layouts[plan].codec.size)
-        return can.Message(arbitration_id=plan.cob_id(self.node), data=data, is_extended_id=False)
+        message = can.Message(arbitration_id=plan.cob_id(self.node), is_extended_id=False)
+        message.dlc = self.layouts[plan].codec.size
+        _fill(message, bytes(message.dlc))
+        return message
+
+
+def _fill(message: can.Message, data: bytes) -> None:
+    """New data for a message that is sent again and again.
+
+    As bytes: python-can's virtual bus copies every frame deeply, and a bytearray is ten times as slow to copy.
+    """
+    message.data = data  # type: ignore[assignment]
 
 
 @dataclass(slots=True)
@@ -88,6 +86,9 @@ class DriveLink(NodeLink):
     fresh: bool = False  # feedback came since the last cycle
     invalid: bool = False  # the set-point is no finite number
     message: can.Message = field(default_factory=can.Message)
+    _pack: Callable[[int, int], bytes] = field(init=False)
+    _unpack: Callable[[bytearray], tuple[int, int]] = field(init=False)
+    _feedback_size: int = 0
     _status: int = 0
     _value: int = 0
     _raw_position: int = 0
@@ -95,23 +96,24 @@ class DriveLink(NodeLink):
     _cycles: int = 0  # since the last feedback
 
     def __post_init__(self) -> None:
-        for plan in self.pdos:
-            self.layouts[plan] = lay_out(self.od, plan.objects)
-        command = self.plan(Direction.RECEIVE)
-        assert command is not None
+        command, feedback = self.plan(Direction.RECEIVE), self.plan(Direction.TRANSMIT)
+        assert command is not None  # exchange.py has both for every drive
+        assert feedback is not None
         self.message = self._frame(command)
+        self._pack = self.layouts[command].codec.pack
+        self._unpack = self.layouts[feedback].codec.unpack_from
+        self._feedback_size = self.layouts[feedback].codec.size
 
     def receivers(self) -> dict[int, Receiver]:
         return {
             plan.cob_id(self.node): self._receive_feedback if plan.number == 1 else self._receive_position
-            for plan in self.pdos
+            for plan in self.layouts
             if plan.direction is Direction.TRANSMIT
         }
 
     def _receive_feedback(self, data: bytearray) -> None:
-        if len(data) >= 6:  # a PDO that is too short is not processed (CiA 301)
-            self._status = data[0] | data[1] << 8
-            self._value = int.from_bytes(data[2:6], "little", signed=True)
+        if len(data) >= self._feedback_size:  # a PDO that is too short is not processed (CiA 301)
+            self._status, self._value = self._unpack(data)
             self.fresh = True
 
     def _receive_position(self, data: bytearray) -> None:
@@ -176,10 +178,7 @@ class DriveLink(NodeLink):
         if word == cia402.ENABLE_OPERATION and control.state is DriveState.OPERATION_ENABLED:
             value = round(target * self.increments_per_unit)
             value = max(-0x8000_0000, min(0x7FFF_FFFF, value)) if self.spindle else wrap32(value)
-        data = self.message.data
-        data[0] = word & 0xFF
-        data[1] = word >> 8
-        data[2:6] = value.to_bytes(4, "little", signed=True)
+        _fill(self.message, self._pack(word, value))
 
 
 @dataclass(slots=True)
@@ -195,8 +194,6 @@ class IoLink(NodeLink):
     message: can.Message | None = None
 
     def __post_init__(self) -> None:
-        for plan in self.pdos:
-            self.layouts[plan] = lay_out(self.od, plan.objects)
         if command := self.plan(Direction.RECEIVE):
             self.message = self._frame(command)
 
@@ -219,145 +216,8 @@ class IoLink(NodeLink):
         if value == self.output_value or self.message is None:
             return False
         self.output_value = value
-        self.message.data[:] = value.to_bytes(len(self.message.data), "little")
+        _fill(self.message, value.to_bytes(self.message.dlc, "little"))
         return True
 
 
 Links = list[DriveLink | IoLink]
-
-
-def make_links(machine: Machine) -> Links:
-    """A link per node, axes first, in the order of the machine description.
-
-    Raises FieldbusError for an EDS that cannot be read or lacks what is needed, and for start-up writes that cannot
-    be made.
-    """
-    links: Links = [_drive_link(axis, index, axis.drive) for index, axis in enumerate(machine.axes) if axis.drive]
-    first_input = first_output = 0
-    for number, io in enumerate(machine.fieldbus.io):
-        links.append(_io_link(io, number, first_input, first_output))
-        first_input += len(io.inputs)
-        first_output += len(io.outputs)
-        for bits, direction in ((first_input, "inputs"), (first_output, "outputs")):
-            if bits > DIGITAL_BYTES * 8:
-                text = f"{direction} with the nodes before it"
-                raise FieldbusError(
-                    catalogue.TOO_MANY_BITS, node=io.node, bits=bits, direction=text, limit=DIGITAL_BYTES * 8
-                )
-    master = machine.fieldbus.bus.master_node
-    for link in links:
-        if link.node == master:
-            raise FieldbusError(catalogue.MASTER_NODE_TAKEN, node=master, owner=link.owner)
-    return links
-
-
-def _drive_link(axis: Axis, index: int, drive: Drive) -> DriveLink:
-    owner = f"axis {axis.name}"
-    od = _dictionary(drive.eds, DRIVE_EDS, drive.node, owner)
-    spindle = axis.type is AxisType.SPINDLE
-    mode = Mode.CYCLIC_SYNCHRONOUS_VELOCITY if spindle else Mode.CYCLIC_SYNCHRONOUS_POSITION
-    pdos = _known_pdos(exchange.SPINDLE_PDOS if spindle else exchange.AXIS_PDOS, od, drive.node, owner)
-    return DriveLink(
-        node=drive.node,
-        owner=owner,
-        profile=cia402.DEVICE_PROFILE,
-        vendor_id=drive.vendor_id,
-        product_code=drive.product_code,
-        od=od,
-        startup=[_startup_write(name, value, od, drive.node, owner) for name, value in drive.sdo.items()],
-        pdos=pdos,
-        axis=index,
-        spindle=spindle,
-        increments_per_unit=drive.increments_per_unit,
-        mode=mode,
-    )
-
-
-def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> IoLink:
-    owner = f"I/O node {number}"
-    for names, direction in ((io.inputs, "inputs"), (io.outputs, "outputs")):
-        if len(names) > MAX_IO_BITS:
-            raise FieldbusError(
-                catalogue.TOO_MANY_BITS, node=io.node, bits=len(names), direction=direction, limit=MAX_IO_BITS
-            )
-    od = _dictionary(io.eds, IO_EDS, io.node, owner)
-    return IoLink(
-        node=io.node,
-        owner=owner,
-        profile=exchange.IO_PROFILE,
-        vendor_id=io.vendor_id,
-        product_code=None,
-        od=od,
-        startup=[],
-        pdos=_known_pdos(exchange.io_pdos(len(io.inputs), len(io.outputs)), od, io.node, owner),
-        first_input=first_input,
-        inputs=len(io.inputs),
-        first_output=first_output,
-        outputs=len(io.outputs),
-    )
-
-
-def _dictionary(file: str | None, default: str, node: int, owner: str) -> canopen.ObjectDictionary:
-    path = eds_path(file, default)
-    try:
-        od = canopen.import_od(path, node)
-    # canopen lets through whatever configparser and int() raise at a broken file
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        AttributeError,
-        TypeError,
-        configparser.Error,
-        ObjectDictionaryError,
-    ) as error:
-        reason = (
-            (isinstance(error, OSError) and error.strerror) or str(error).replace("\n", " ") or type(error).__name__
-        )
-        raise FieldbusError(catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason=reason) from error
-    if not len(od):
-        raise FieldbusError(
-            catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason="it describes no object"
-        )
-    return od
-
-
-def _known_pdos(pdos: tuple[PdoPlan, ...], od: canopen.ObjectDictionary, node: int, owner: str) -> tuple[PdoPlan, ...]:
-    """These PDOs if the dictionary has all that they need."""
-    for plan in pdos:
-        needed: list[ObjectKey] = [*plan.objects, (plan.communication_index, 1), (plan.mapping_index, 0)]
-        for index, subindex in needed:
-            _need(od, index, subindex, node, owner, "the process data")
-    return pdos
-
-
-def _need(od: canopen.ObjectDictionary, index: int, subindex: int, node: int, owner: str, purpose: str) -> None:
-    try:
-        find_variable(od, index, subindex)
-    except KeyError as error:
-        raise FieldbusError(
-            catalogue.EDS_OBJECT_MISSING, node=node, owner=owner, object=error.args[0], purpose=purpose
-        ) from error
-
-
-def _startup_write(name: str, value: int, od: canopen.ObjectDictionary, node: int, owner: str) -> tuple[int, int, int]:
-    """Index, sub-index and value of a start-up write like `0x60C2:1`."""
-
-    def refuse(reason: str) -> FieldbusError:
-        return FieldbusError(catalogue.STARTUP_OBJECT, object=name, value=value, node=node, owner=owner, reason=reason)
-
-    try:
-        index_text, _, subindex_text = name.partition(":")
-        index, subindex = int(index_text, 0), int(subindex_text or "0", 0)
-    except ValueError:
-        raise refuse("this is no object") from None
-    try:
-        variable = find_variable(od, index, subindex)
-    except KeyError:
-        raise refuse("its EDS has no such object") from None
-    if not variable.writable:
-        raise refuse("the object is read-only")
-    low, high = VALUE_RANGES.get(variable.data_type or 0, (0, -1))
-    if not low <= value <= high:
-        raise refuse(f"its values go from {low} to {high}" if low < high else "only whole numbers can be written")
-    return index, subindex, value

@@ -23,10 +23,12 @@ from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DIGITAL_BYTES, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
 from runtime.fieldbus.boot import OPERATIONAL, SYNC, BootSequence
+from runtime.fieldbus.described import make_links
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.exchange import IO_REFRESH
-from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver, make_links
+from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
 from runtime.fieldbus.network import PolledNetwork
+from runtime.fieldbus.pdo import SYNCHRONOUS
 
 MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the next cycle
 LOAD_WINDOW: Final = 100  # cycles over which the bus load is taken
@@ -144,9 +146,8 @@ class CanopenMaster:
     def _warn_of_load(self) -> None:
         if self._config.interface != "socketcan":
             return  # no wire
-        lengths = [
-            link.layouts[plan].codec.size for link in self._drives for plan in link.pdos if plan.transmission == 1
-        ]
+        layouts = [item for link in self._drives for item in link.layouts.items()]
+        lengths = [layout.codec.size for plan, layout in layouts if plan.transmission == SYNCHRONOUS]
         load = wire.load([0, *lengths], self._period, self._config.bitrate)
         if load > 1.0:
             self.image.events.append(DriveEvent(catalogue.BUS_OVERLOADED.id, -1, 0, round(load * 100)))

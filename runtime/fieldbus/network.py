@@ -92,7 +92,7 @@ class PumpedSdoClient(SdoClient):
     RETRY_DELAY = 0.0  # no sleeping on a clock that is not ours
 
     def __init__(self, node: int, od: canopen.ObjectDictionary, wait: Wait) -> None:
-        super().__init__(0x600 + node, 0x580 + node, od)
+        super().__init__(0x600 + node, 0x580 + node, od)  # type: ignore[no-untyped-call]
         self._wait = wait
 
     def read_response(self) -> bytes:

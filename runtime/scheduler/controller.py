@@ -23,7 +23,8 @@ from runtime.cnc.axes.supervision import (
     AxisSupervision,
 )
 from runtime.cnc.channel import Channel
-from runtime.cnc.interpolator import AxisLimits, Interpolator
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.machine import Machine

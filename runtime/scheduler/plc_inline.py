@@ -8,7 +8,7 @@ from runtime.config.machine import Machine
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.host import PlcHost
-from runtime.scheduler.plc_program import make_host
+from runtime.scheduler.plc_program import load_host
 
 
 class InlinePlc:
@@ -34,7 +34,7 @@ class InlinePlc:
         time_ns = int(time * 1e9)
         try:
             if self._host is None:
-                self._host = make_host(self._machine, self._memory, self._base)
+                self._host = load_host(self._machine, self._base or Path(), self._memory)
                 self._host.start(time_ns)
             self._host.cycle(time_ns)
         except PlcFailure:  # the host has told the HLI why

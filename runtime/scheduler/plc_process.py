@@ -23,13 +23,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from runtime.config.loader import DEMO_MACHINE, ConfigurationError, load_machine
-from runtime.config.machine import Machine
-from runtime.hli.describe import io_bits
 from runtime.hli.errors import HliError
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
-from runtime.plc_logic.host import PlcHost, report_failure
-from runtime.plc_logic.loader import load_program
+from runtime.plc_logic.host import PlcHost
+from runtime.scheduler.plc_program import load_host
 
 EXIT_LOAD, EXIT_RAISED, EXIT_NO_HLI, EXIT_CONFIGURATION = 3, 4, 5, 6
 PATIENCE_MS = 200  # without a wake-up: look whether the runtime still lives
@@ -52,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(EXIT_NO_HLI, error.problem.explained())
     with memory:
         try:
-            host = load_host(machine, path.parent, memory)
+            host = load_host(machine, path.parent, memory, time.perf_counter_ns)
             host.start(int(memory.hli.head.time_ns_r))
         except PlcFailure as failure:
             return _complain(EXIT_LOAD, failure.problem.explained(), failure.trace)
@@ -63,20 +61,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _complain(EXIT_RAISED, failure.problem.explained(), failure.trace)
         host.stop()
     return 0
-
-
-def load_host(machine: Machine, directory: Path, memory: HliMemory) -> PlcHost:
-    """The host of the machine's PLC program; a failure is written into the HLI too. Raises PlcFailure."""
-    assert machine.plc.program is not None
-    try:
-        program = load_program(machine.plc.program, directory)
-    except PlcFailure as failure:
-        report_failure(memory.hli, failure)
-        raise
-    inputs, outputs = io_bits(machine)
-    return PlcHost(
-        program, memory, inputs, outputs, watchdog_us=round(machine.plc.watchdog * 1e6), clock_ns=time.perf_counter_ns
-    )
 
 
 class _StopRequest:

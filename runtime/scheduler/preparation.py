@@ -12,8 +12,9 @@ from pathlib import Path
 
 from runtime.cnc.blocks import Block
 from runtime.cnc.decoder import Decoder, DecoderSetup, load_program
+from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, prepare
+from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits
 from runtime.cnc.preparation_link import Order, PreparationLink, PreparationState
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -34,9 +35,14 @@ class Preparation:
         dialect: str = "isg",
         on_block: Callable[[Block], None] | None = None,
     ) -> None:
-        self._machine = machine
+        axes = [machine.axes[machine.axis_index(name)] for name in machine.channels[channel].axes]
+        self._names = machine.channels[channel].axes
+        self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
-        self._channel = channel
+        self._software_limits = SoftwareLimits(
+            self._names, [axis.position_min for axis in axes], [axis.position_max for axis in axes]
+        )
+        self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
         self._link = link
         self._dialect = dialect
@@ -82,11 +88,11 @@ class Preparation:
             skip_levels=lambda: order.skip_levels,
             interrupted=lambda: self._link.waiting_order is not Order.NONE,
         )
-        blocks = prepare(self.decoder.blocks(), self._machine, self._channel)
+        blocks = self._software_limits(self.decoder.blocks())
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
-        self._writer = QueueWriter(self._queue, self._machine, self._channel)
+        self._writer = QueueWriter(self._queue, self._axis_limits, self._period, self._names)
 
     def _observed(self, block: Block) -> tuple[Block]:
         if self._on_block is not None:

@@ -73,9 +73,9 @@ class Publisher:
         status.active_override_r = int(override * 1000.0 + 0.5)
         status.path_position_r = path.path_position * LENGTH
         status.line_r = max(path.line, 0) if channel.active else 0
-        status.block_number_r = -1 if path.n is None else path.n
+        status.block_number_r = path.n
         status.block_counter_r = channel.block_counter
-        status.command_feed_r = int(min(path.feed, INT32 / SPEED) * SPEED)
+        status.command_feed_r = int(min(channel.programmed_feed * SPEED, INT32))
         status.covered_distance_r = int(path.covered * 1000.0)
         status.decoder_program_end_r = channel.link.state is not PreparationState.RUNNING
         status.stop_condition_r = int(stop)
@@ -85,7 +85,7 @@ class Publisher:
         status.wait_continue_r = bool(stop & StopCondition.WAIT_CONTINUE)
         status.wait_error_removal_r = channel.error is not None
         status.dwell_time_active_r = bool(stop & StopCondition.DWELL)
-        status.prepared_blocks_r = channel.queue.used
+        status.prepared_blocks_r = channel.queue.capacity - channel.queue.free
         status.waiting_functions_r = channel.waiting_functions
         status.error_id_r = channel.error.id if channel.error else 0
         self._axis_status(channel.active)

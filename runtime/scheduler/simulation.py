@@ -23,8 +23,9 @@ from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity
 from runtime.diagnostics.events import Event, EventKind, EventRing
-from runtime.drives import DriveSystem, IdealDrives
+from runtime.drives import DriveImage, DriveSystem, IdealDrives
 from runtime.fieldbus.simulator.plant import SimulatedPlant
+from runtime.hli.describe import io_bits
 from runtime.hli.layout import Mode, State, StopCondition
 from runtime.hli.memory import HliMemory
 from runtime.scheduler.controller import Controller
@@ -102,7 +103,7 @@ class Simulation:
         self.preparation = Preparation(
             machine, 0, self.queue, self.link, dialect=dialect, on_block=self._trace_block if trace else None
         )
-        self._plant: SimulatedPlant | None = None
+        self.plant = SimulatedPlant()
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
         self.plc: PlcPartner | None = None
         if partner is not None:
@@ -131,9 +132,9 @@ class Simulation:
     def _build_drives(self, ideal: bool, start: Floats | None) -> tuple[DriveSystem, Callable[[], None]]:
         if ideal:
             drives = IdealDrives(len(self.machine.axes), start)
-            plant = SimulatedPlant(self.machine.fieldbus.io)
-            image = drives.image
-            return drives, lambda: plant.step(self.time, image.digital_out, image.digital_in)
+            plant = PlantOnImage(self.machine, drives.image, self.plant, lambda: self.time)
+            plant.step()  # the first cycle sees the inputs as they are
+            return drives, plant.step
         import can
 
         from runtime.fieldbus.master import CanopenMaster
@@ -142,7 +143,7 @@ class Simulation:
         name = f"tandem-simulation-{next(_instances)}"
         nodes_bus = can.Bus(name, interface="virtual")
         master_bus = can.Bus(name, interface="virtual")
-        self.nodes = SimulatedNodes(self.machine, nodes_bus, start_position=start)
+        self.nodes = SimulatedNodes(self.machine, nodes_bus, plant=self.plant)
 
         def step() -> None:
             self.nodes.step(self.time)
@@ -253,7 +254,7 @@ class Simulation:
         ]
         return Result(
             time=time,
-            path_length=self.controller.interpolator.path_position,
+            path_length=self.controller.channel.path_length,
             positions={name: float(image.target_position[self.machine.axis_index(name)]) for name in names},
             problems=errors + extra,
             events=list(self.log),
@@ -274,6 +275,30 @@ class Simulation:
     def __exit__(self, *_exception: object) -> None:
         if self.writer is None:
             self.close()
+
+
+class PlantOnImage:
+    """The plant around ideal drives: inputs follow outputs in the drive image, without a bus."""
+
+    def __init__(self, machine: Machine, image: DriveImage, plant: SimulatedPlant, now: Callable[[], float]) -> None:
+        self._image = image
+        self._plant = plant
+        self._now = now
+        self._inputs, self._outputs = io_bits(machine)
+
+    def step(self) -> None:
+        """One cycle of the plant."""
+        image = self._image
+        outputs = {
+            name: bool(image.digital_out[bit // 8] >> (bit % 8) & 1) for name, bit in self._outputs.items()
+        }
+        inputs = self._plant.step(self._now(), outputs)
+        for name, bit in self._inputs.items():
+            mask = 1 << bit % 8
+            if inputs.get(name, False):
+                image.digital_in[bit // 8] |= mask
+            else:
+                image.digital_in[bit // 8] &= 0xFF ^ mask
 
 
 def events_of(events: list[Event], *kinds: EventKind) -> Iterator[Event]:

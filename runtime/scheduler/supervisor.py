@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from runtime.config.loader import DEMO_MACHINE
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity, TandemError
@@ -84,11 +85,19 @@ class Supervisor:
         self.preparation = Child(
             "preparation", "runtime.scheduler.preparation_process", [*common, "--dialect", options.dialect]
         )
-        self.plc = Child("PLC", "runtime.scheduler.plc_process", [*common, "--wake", str(self._wake)], [self._wake])
-        drives = ["--state", str(state / "simulated-drives.json")]
-        if options.machine_file is not None:
-            drives += ["--machine", str(options.machine_file)]
-        self.drives = Child("drives", "runtime.fieldbus.simulator", drives)
+        machine_file = str(options.machine_file or DEMO_MACHINE)
+        self.plc = Child(
+            "PLC",
+            "runtime.scheduler.plc_process",
+            ["--machine", machine_file, "--hli", options.name, "--wake-fd", str(self._wake)],
+            [self._wake],
+        )
+        encoders = str(state / "simulated-drives.json")
+        self.drives = Child(
+            "drives",
+            "runtime.fieldbus.simulator",
+            ["--machine", machine_file, "--state", encoders, "--exit-with-parent"],
+        )
 
     @property
     def children(self) -> list[Child]:

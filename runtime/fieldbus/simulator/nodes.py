@@ -10,7 +10,7 @@ import can
 
 from runtime.config.machine import Machine
 from runtime.fieldbus.boot import SYNC
-from runtime.fieldbus.links import DRIVE_EDS, IO_EDS, eds_path
+from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.simulator.drive import OVER_CURRENT, Fault, SimulatedDrive
 from runtime.fieldbus.simulator.encoder import EncoderFile

@@ -1,0 +1,45 @@
+"""A record of the motion queue in typed words, for the channel: what is passed, what a gate waits for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from runtime.cnc.blocks import Synch, Technology
+from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+
+
+class QueueRecord(NamedTuple):
+    """Technology fields hold for FUNCTION, reason and seconds for GATE; `feed` in mm/s for elements."""
+
+    kind: RecordKind
+    line: int
+    n: int | None
+    technology: Technology
+    number: int
+    value: float
+    synch: Synch
+    spindle: int
+    reason: GateReason
+    seconds: float
+    feed: float
+
+
+def read_record(queue: MotionQueue, index: int) -> QueueRecord:
+    """The record of an absolute index; valid while it is not freed."""
+    record = queue.record(index)
+    kind = RecordKind(int(record["kind"]))
+    n = int(record["n"])
+    function = kind is RecordKind.FUNCTION
+    return QueueRecord(
+        kind=kind,
+        line=int(record["line"]),
+        n=None if n < 0 else n,
+        technology=Technology(int(record["function"])) if function else Technology.M,
+        number=int(record["number"]),
+        value=float(record["value"]),
+        synch=Synch(int(record["synch"])) if function else Synch.NO_SYNCH,
+        spindle=int(record["spindle"]) if function else -1,
+        reason=GateReason(int(record["reason"])) if kind is RecordKind.GATE else GateReason.WAIT,
+        seconds=float(record["seconds"]),
+        feed=float(record["feed"]),
+    )

@@ -1,0 +1,179 @@
+"""From the machine description to the master's picture of its nodes; what cannot be is refused before it starts."""
+
+from __future__ import annotations
+
+import configparser
+from importlib import resources
+from typing import Final
+
+import canopen
+from canopen.objectdictionary import ObjectDictionaryError
+
+from runtime.config.machine import Axis, AxisType, Drive, IoNode, Machine
+from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.drives import DIGITAL_BYTES
+from runtime.fieldbus import cia402, exchange
+from runtime.fieldbus.cia402 import Mode
+from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.links import DriveLink, IoLink, Links
+from runtime.fieldbus.pdo import VALUE_RANGES, ObjectKey, PdoLayout, PdoPlan, find_variable, lay_out, object_name
+
+DRIVE_EDS: Final = "tandem_cia402.eds"
+IO_EDS: Final = "tandem_cia401.eds"
+MAX_IO_BITS: Final = 64  # of one node and direction: one PDO
+
+
+def eds_path(file: str | None, default: str) -> str:
+    """Path of an EDS file; without `file` that of the simulated node."""
+    return file or str(resources.files("runtime.fieldbus").joinpath("eds", default))
+
+
+def make_links(machine: Machine) -> Links:
+    """A link per node, axes first, in the order of the machine description.
+
+    Raises FieldbusError for an EDS that cannot be read or lacks what is needed, and for start-up writes that cannot
+    be made.
+    """
+    links: Links = [_drive_link(axis, index, axis.drive) for index, axis in enumerate(machine.axes) if axis.drive]
+    first_input = first_output = 0
+    for number, io in enumerate(machine.fieldbus.io):
+        links.append(_io_link(io, number, first_input, first_output))
+        first_input += len(io.inputs)
+        first_output += len(io.outputs)
+        for bits, direction in ((first_input, "inputs"), (first_output, "outputs")):
+            if bits > DIGITAL_BYTES * 8:
+                text = f"{direction} with the nodes before it"
+                raise FieldbusError(
+                    catalogue.TOO_MANY_BITS, node=io.node, bits=bits, direction=text, limit=DIGITAL_BYTES * 8
+                )
+    master = machine.fieldbus.bus.master_node
+    for link in links:
+        if link.node == master:
+            raise FieldbusError(catalogue.MASTER_NODE_TAKEN, node=master, owner=link.owner)
+    return links
+
+
+def _drive_link(axis: Axis, index: int, drive: Drive) -> DriveLink:
+    owner = f"axis {axis.name}"
+    od = _dictionary(drive.eds, DRIVE_EDS, drive.node, owner)
+    spindle = axis.type is AxisType.SPINDLE
+    mode = Mode.CYCLIC_SYNCHRONOUS_VELOCITY if spindle else Mode.CYCLIC_SYNCHRONOUS_POSITION
+    layouts = _layouts(exchange.SPINDLE_PDOS if spindle else exchange.AXIS_PDOS, od, drive.node, owner)
+    return DriveLink(
+        node=drive.node,
+        owner=owner,
+        profile=cia402.DEVICE_PROFILE,
+        vendor_id=drive.vendor_id,
+        product_code=drive.product_code,
+        od=od,
+        startup=[_startup_write(name, value, od, drive.node, owner) for name, value in drive.sdo.items()],
+        layouts=layouts,
+        axis=index,
+        spindle=spindle,
+        increments_per_unit=drive.increments_per_unit,
+        mode=mode,
+    )
+
+
+def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> IoLink:
+    owner = f"I/O node {number}"
+    for names, direction in ((io.inputs, "inputs"), (io.outputs, "outputs")):
+        if len(names) > MAX_IO_BITS:
+            raise FieldbusError(
+                catalogue.TOO_MANY_BITS, node=io.node, bits=len(names), direction=direction, limit=MAX_IO_BITS
+            )
+    od = _dictionary(io.eds, IO_EDS, io.node, owner)
+    return IoLink(
+        node=io.node,
+        owner=owner,
+        profile=exchange.IO_PROFILE,
+        vendor_id=io.vendor_id,
+        product_code=None,
+        od=od,
+        startup=[],
+        layouts=_layouts(exchange.io_pdos(len(io.inputs), len(io.outputs)), od, io.node, owner),
+        first_input=first_input,
+        inputs=len(io.inputs),
+        first_output=first_output,
+        outputs=len(io.outputs),
+    )
+
+
+def _dictionary(file: str | None, default: str, node: int, owner: str) -> canopen.ObjectDictionary:
+    path = eds_path(file, default)
+    try:
+        od = canopen.import_od(path, node)
+    # canopen lets through whatever configparser and int() raise at a broken file
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        AttributeError,
+        TypeError,
+        configparser.Error,
+        ObjectDictionaryError,
+    ) as error:
+        reason = (
+            (isinstance(error, OSError) and error.strerror) or str(error).replace("\n", " ") or type(error).__name__
+        )
+        raise FieldbusError(catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason=reason) from error
+    if not len(od):
+        raise FieldbusError(
+            catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason="it describes no object"
+        )
+    return od
+
+
+def _layouts(
+    pdos: tuple[PdoPlan, ...], od: canopen.ObjectDictionary, node: int, owner: str
+) -> dict[PdoPlan, PdoLayout]:
+    """The layouts of these PDOs, if the dictionary has all that they need, of the types that the profile tells."""
+    layouts = {}
+    for plan in pdos:
+        needed: list[ObjectKey] = [*plan.objects, (plan.communication_index, 1), (plan.mapping_index, 0)]
+        for index, subindex in needed:
+            _need(od, index, subindex, node, owner, "the process data")
+        try:
+            layout = lay_out(od, plan.objects)
+        except ValueError as error:
+            file = "of the device"
+            raise FieldbusError(catalogue.EDS_UNREADABLE, file=file, node=node, owner=owner, reason=error) from error
+        codes = "".join(exchange.CODES.get(index, "?") for index, _ in plan.objects)
+        if layout.codec.format != "<" + codes:
+            names = ", ".join(object_name(*key) for key in plan.objects)
+            reason = f"{names} are not of the types that the device profile prescribes"
+            raise FieldbusError(catalogue.EDS_UNREADABLE, file="of the device", node=node, owner=owner, reason=reason)
+        layouts[plan] = layout
+    return layouts
+
+
+def _need(od: canopen.ObjectDictionary, index: int, subindex: int, node: int, owner: str, purpose: str) -> None:
+    try:
+        find_variable(od, index, subindex)
+    except KeyError as error:
+        raise FieldbusError(
+            catalogue.EDS_OBJECT_MISSING, node=node, owner=owner, object=error.args[0], purpose=purpose
+        ) from error
+
+
+def _startup_write(name: str, value: int, od: canopen.ObjectDictionary, node: int, owner: str) -> tuple[int, int, int]:
+    """Index, sub-index and value of a start-up write like `0x60C2:1`."""
+
+    def refuse(reason: str) -> FieldbusError:
+        return FieldbusError(catalogue.STARTUP_OBJECT, object=name, value=value, node=node, owner=owner, reason=reason)
+
+    try:
+        index_text, _, subindex_text = name.partition(":")
+        index, subindex = int(index_text, 0), int(subindex_text or "0", 0)
+    except ValueError:
+        raise refuse("this is no object") from None
+    try:
+        variable = find_variable(od, index, subindex)
+    except KeyError:
+        raise refuse("its EDS has no such object") from None
+    if not variable.writable:
+        raise refuse("the object is read-only")
+    low, high = VALUE_RANGES.get(variable.data_type or 0, (0, -1))
+    if not low <= value <= high:
+        raise refuse(f"its values go from {low} to {high}" if low < high else "only whole numbers can be written")
+    return index, subindex, value

@@ -1,0 +1,31 @@
+"""The host of the PLC program that the machine description names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from runtime.config.machine import Machine
+from runtime.hli.describe import io_bits
+from runtime.hli.memory import HliMemory
+from runtime.plc_logic.errors import PlcFailure
+from runtime.plc_logic.host import PlcHost, report_failure
+from runtime.plc_logic.loader import load_program
+
+
+def load_host(
+    machine: Machine, directory: Path, memory: HliMemory, clock_ns: Callable[[], int] | None = None
+) -> PlcHost:
+    """Load the program; files are looked for in `directory`, that of the machine description.
+
+    A failure is written into the HLI too. Raises PlcFailure.
+    """
+    assert machine.plc.program is not None
+    try:
+        program = load_program(machine.plc.program, directory)
+    except PlcFailure as failure:
+        report_failure(memory.hli, failure)
+        raise
+    inputs, outputs = io_bits(machine)
+    watchdog_us = round(machine.plc.watchdog * 1e6)
+    return PlcHost(program, memory, inputs, outputs, watchdog_us=watchdog_us, clock_ns=clock_ns)
