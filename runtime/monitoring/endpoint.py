@@ -31,7 +31,7 @@ class MachineCollector(Collector):
     """Reads the table of metrics for every scrape.
 
     `hli` is the interface memory (runtime.hli.layout), `cycle` the statistics of the cycle. Errors are counted from the
-    events, which are those of this run: the alarm list of the interface begins with those of earlier ones.
+    events, which are those of this run: the alarm list of the interface begins with those of earlier runs.
     """
 
     def __init__(self, hli: Hli, cycle: CycleReading) -> None:
@@ -40,7 +40,7 @@ class MachineCollector(Collector):
         self._lock = threading.Lock()  # scrapes have a thread each
 
     def count(self, event: Event) -> None:
-        """Take note of an event; `number` is the id and `value` the severity of an error, other events count nothing."""
+        """Take note of an event: `number` is the id, `value` the severity of an error; others count nothing."""
         if event.kind is not EventKind.ERROR:
             return
         severity = int(event.value)

@@ -61,7 +61,7 @@ def test_the_exposure_is_at_or_below_4(tmp_path: Path) -> None:
 
 def test_the_service_may_do_what_the_runtime_does() -> None:
     unit = settings(UNIT)
-    assert (unit["Type"], unit["NotifyAccess"]) == (["notify"], ["all"])
+    assert (unit["Type"], unit["NotifyAccess"]) == (["notify"], ["main"])
     assert set(unit["RestrictAddressFamilies"][0].split()) == {"AF_CAN", "AF_UNIX", "AF_INET", "AF_INET6"}
     for forbidden in ("MemoryDenyWriteExecute", "PrivateDevices", "PrivateNetwork", "RestrictRealtime", "PrivateUsers"):
         assert unit.get(forbidden, ["no"]) == ["no"]
