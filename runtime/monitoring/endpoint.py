@@ -17,9 +17,10 @@ from prometheus_client.core import Metric as Family
 from prometheus_client.registry import Collector
 
 from runtime.diagnostics.catalogue import system
-from runtime.diagnostics.errors import TandemError
+from runtime.diagnostics.errors import Severity, TandemError
+from runtime.diagnostics.events import Event, EventKind
 from runtime.hli.layout import Hli
-from runtime.monitoring.metrics import METRICS, CycleReading, ErrorTotals, HistogramReading, Kind, Metric, Source
+from runtime.monitoring.metrics import METRICS, CycleReading, HistogramReading, Kind, Metric, Source
 
 
 class MetricsError(TandemError):
@@ -29,22 +30,26 @@ class MetricsError(TandemError):
 class MachineCollector(Collector):
     """Reads the table of metrics for every scrape.
 
-    `hli` is the interface memory (runtime.hli.layout), `cycle` the statistics of the cycle. `observe` may be called
-    between scrapes, so that no error is missed when more come than the alarm list holds.
+    `hli` is the interface memory (runtime.hli.layout), `cycle` the statistics of the cycle. Errors are counted from the
+    events, which are those of this run: the alarm list of the interface begins with those of earlier runs.
     """
 
     def __init__(self, hli: Hli, cycle: CycleReading) -> None:
-        self._source = Source(hli, cycle, ErrorTotals())
-        self._lock = threading.Lock()  # two scrapes at once, and `observe`
+        self._errors: dict[tuple[str, str], int] = {}
+        self._source = Source(hli, cycle, self._errors)
+        self._lock = threading.Lock()  # scrapes have a thread each
 
-    def observe(self) -> None:
-        """Count the errors that have come since the last call or scrape."""
+    def count(self, event: Event) -> None:
+        """Take note of an event: `number` is the id, `value` the severity of an error; others count nothing."""
+        if event.kind is not EventKind.ERROR:
+            return
+        severity = int(event.value)
+        name = Severity(severity).name.lower() if severity in set(Severity) else "unknown"
         with self._lock:
-            self._source.errors.look(self._source.hli)
+            self._errors[str(event.number), name] = self._errors.get((str(event.number), name), 0) + 1
 
     def collect(self) -> Iterator[Family]:
         """All metrics, now."""
-        self.observe()
         with self._lock:
             families = [_family(metric, self._source) for metric in METRICS]
         yield from families

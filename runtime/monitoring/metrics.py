@@ -1,22 +1,21 @@
 """Which figures of a running machine are metrics, and how each is read from the interface memory: the one table.
 
 Names and units follow the Prometheus conventions: base units (seconds, meters, ratios of 0 to 1), `_total` for what
-only grows. Linear axes are in meters, axes that turn in degrees, under different names, so that no series mixes units. A
-state is a gauge per possible state, 1 for the one that holds.
+only grows. Linear axes are in meters, axes that turn in degrees, under different names, so that no series mixes units.
+A state is a gauge per possible state, 1 for the one that holds.
 """
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from typing import Protocol
 
-from runtime.diagnostics.errors import Severity
 from runtime.diagnostics.version import version
 from runtime.drives import DriveState
-from runtime.hli.layout import ALARMS, Axis, Channel, Hli, Mode, State, StopCondition
+from runtime.hli.layout import Axis, Channel, Hli, Mode, State, StopCondition
 
 _LENGTH = 1e-7  # 0.1 µm in m
 _SPEED = 1e-6  # µm/s in m/s
@@ -53,38 +52,13 @@ class CycleReading(Protocol):
         """Due time to start."""
 
 
-class ErrorTotals:
-    """How often each error came, counted from the alarm list of the interface.
-
-    The list holds the newest 64; `look` has to be called often enough, else what it missed counts as id "missed".
-    """
-
-    def __init__(self) -> None:
-        self._seen = 0
-        self.totals: dict[tuple[str, str], int] = {}  # (id, severity)
-
-    def look(self, hli: Hli) -> None:
-        """Count the alarms that have come since the last call."""
-        count = hli.alarm_count_r
-        missed = max(0, count - self._seen - ALARMS)
-        if missed:
-            self._add("missed", "unknown", missed)
-        for number in range(self._seen + missed, count):
-            alarm = hli.alarms[number % ALARMS]
-            self._add(str(alarm.id_r), _name(Severity, alarm.severity_r))
-        self._seen = count
-
-    def _add(self, number: str, severity: str, count: int = 1) -> None:
-        self.totals[number, severity] = self.totals.get((number, severity), 0) + count
-
-
 @dataclass(frozen=True, slots=True)
 class Source:
     """What the metrics are read from."""
 
     hli: Hli
     cycle: CycleReading
-    errors: ErrorTotals
+    errors: Mapping[tuple[str, str], int]  # (id, severity) -> how often
 
 
 class Kind(Enum):
@@ -149,10 +123,6 @@ def _per_channel(value: Callable[[Channel], float]) -> Callable[[Source], Sample
     return read
 
 
-def _name(states: type[IntEnum], value: int) -> str:
-    return states(value).name.lower() if value in set(states) else "unknown"
-
-
 def _states(owner: str, states: type[IntEnum], value: int) -> Samples:
     for state in states:
         yield (owner, state.name.lower()), float(state == value)
@@ -189,7 +159,7 @@ def _frames(source: Source) -> Samples:
 
 
 def _errors(source: Source) -> Samples:
-    yield from source.errors.totals.items()
+    yield from source.errors.items()
 
 
 # ---------------------------------------------------------------------------------------------- the table

@@ -33,7 +33,7 @@ def prepare_realtime(priority: int, cpu: int | None = None) -> list[Problem]:
 
     `priority` for SCHED_FIFO, 1 to 98. `cpu`: the processor to be pinned to, None for none. Called once per process,
     after everything is allocated and compiled and before the first cycle; holds until the process ends.
-    SCHED_RESET_ON_FORK keeps the priority from children.
+    The priority is that of the calling thread; SCHED_RESET_ON_FORK keeps it from later threads and children.
     """
     steps: Sequence[tuple[Callable[[], None], Callable[[str], Problem]]] = (
         (
@@ -81,17 +81,22 @@ def lock_memory() -> None:
 
     With a finite limit the lock might succeed now and let an allocation fail later, in the cycle; so it is refused.
     """
+    expect_memory_lock()
     soft, hard = resource.getrlimit(resource.RLIMIT_MEMLOCK)
-    if not _may_lock_any_memory():
-        if hard != resource.RLIM_INFINITY:
-            raise RefusedError(f"the limit of this user is {hard // 1024} KiB, unlimited is needed")
-        if soft != hard:
-            resource.setrlimit(resource.RLIMIT_MEMLOCK, (hard, hard))
+    if soft != hard:
+        resource.setrlimit(resource.RLIMIT_MEMLOCK, (hard, hard))
     libc = ctypes.CDLL(None, use_errno=True)
     libc.mallopt(_M_TRIM_THRESHOLD, -1)  # freed memory stays with the process
     libc.mallopt(_M_MMAP_MAX, 0)  # large arrays too
     if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) != 0:
         raise RefusedError(os.strerror(ctypes.get_errno()))
+
+
+def expect_memory_lock() -> None:
+    """Whether this process may lock all of its memory. Raises RefusedError if not."""
+    _, hard = resource.getrlimit(resource.RLIMIT_MEMLOCK)
+    if hard != resource.RLIM_INFINITY and not _may_lock_any_memory():
+        raise RefusedError(f"the limit of this user is {hard // 1024} KiB, unlimited is needed")
 
 
 def pin(cpu: int | None) -> None:

@@ -13,6 +13,11 @@ COMMAND_MISSING = ErrorEntry(
     "The sub-command {command!r} is not part of this installation ({reason})",
     remedy="Install the whole distribution tandem-cnc again.",
 )
+OPTION_NOT_AVAILABLE = ErrorEntry(
+    305002,
+    "The option {option} is not available: {reason}",
+    remedy="Leave the option out.",
+)
 
 # what a cycle process asks of the host, runtime.scheduler.realtime
 NO_PRIORITY = _hint(

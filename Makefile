@@ -1,0 +1,76 @@
+# make run     the demo machine mills a plate        make test    every check and test
+# make bench   measures                              make lock    new versions of the dependencies
+#
+# Everything lives in .venv; nothing needs root. PYTHON=… chooses another interpreter, 3.11 or later.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.ONESHELL:
+.DEFAULT_GOAL := help
+.PHONY: help install run test check pytest bench lock clean
+
+PYTHON ?=
+PYTEST_ARGS ?=
+BIN := .venv/bin
+
+# The environment fits as long as this name exists: it changes with the lock, the project file and the folder.
+FINGERPRINT := $(shell { cat pyproject.toml requirements.lock; pwd; } | sha256sum | cut -c1-16)
+INSTALLED := .venv/installed-$(FINGERPRINT)
+
+help:
+	@sed -n 's/^# //p' Makefile | head -3
+
+install: $(INSTALLED)
+
+$(INSTALLED):
+	@fits() { "$$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
+	if ! fits $(BIN)/python || ! grep -qsF "$$PWD/.venv/" $(BIN)/pip; then
+	    rm -rf .venv
+	    for python in $(PYTHON) python3 python3.13 python3.12 python3.11 none; do
+	        if fits "$$python"; then break; fi
+	    done
+	    if [ "$$python" = none ]; then
+	        echo "Python 3.11 or later is needed (Debian: apt install python3 python3-venv)" >&2; exit 1
+	    fi
+	    echo "== environment .venv with $$("$$python" --version)"
+	    if ! "$$python" -m venv .venv; then
+	        rm -rf .venv
+	        echo "Python's venv module is needed (Debian: apt install python3-venv)" >&2; exit 1
+	    fi
+	fi
+	echo "== installing the dependencies of requirements.lock"
+	rm -f .venv/installed-*
+	$(BIN)/python -m pip install --disable-pip-version-check -r requirements.lock
+	echo "== installing tandem-cnc"
+	$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-deps --editable .
+	touch $@
+
+run: $(INSTALLED)
+	@$(BIN)/tandem run --demo
+
+test: check pytest
+
+check: $(INSTALLED)
+	@echo "== ruff";         $(BIN)/ruff check .
+	echo "== ruff format";  $(BIN)/ruff format --check .
+	echo "== mypy";         $(BIN)/mypy
+	echo "== lint-imports"; $(BIN)/lint-imports
+
+# The kernels as plain Python first; what stands last is the sum of everything.
+pytest: $(INSTALLED)
+	@echo "== pytest, kernels uncompiled"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m uncompiled $(PYTEST_ARGS)
+	echo "== pytest"
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+bench: $(INSTALLED)
+	@$(BIN)/python -m bench
+
+lock: $(INSTALLED)
+	@$(BIN)/python -m pip install --disable-pip-version-check --quiet pip-tools
+	$(BIN)/pip-compile --quiet --upgrade --extra dev --strip-extras --no-header --no-emit-index-url \
+	    --no-emit-trusted-host --no-emit-find-links --output-file requirements.lock pyproject.toml
+
+clean:
+	@rm -rf .venv out build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
