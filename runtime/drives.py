@@ -89,11 +89,15 @@ class DriveSystem(Protocol):
         """Disable the drives in order and leave the bus; blocks for a bounded time, never raises."""
 
 
+_STATES = np.array([DriveState.SWITCH_ON_DISABLED, DriveState.OPERATION_ENABLED], dtype=np.int8)  # disabled, enabled
+
+
 class IdealDrives:
     """Drives without dynamics: enabled at once, actual equal to target one cycle later."""
 
     def __init__(self, n: int, initial_position: Floats | None = None) -> None:
         self.image = DriveImage(n)
+        self._enabled: Flags = np.zeros(n, dtype=np.bool_)
         if initial_position is not None:
             self.image.actual_position[:] = initial_position
             self.image.target_position[:] = initial_position
@@ -103,10 +107,10 @@ class IdealDrives:
 
     def read(self) -> None:
         image = self.image
-        enabled = image.enable & ~image.quick_stop
-        image.state[:] = np.where(enabled, DriveState.OPERATION_ENABLED, DriveState.SWITCH_ON_DISABLED)
-        image.actual_position[enabled] = image.target_position[enabled]
-        image.actual_velocity[:] = np.where(enabled, image.target_velocity, 0.0)
+        np.logical_and(image.enable, ~image.quick_stop, out=self._enabled)
+        image.state[:] = _STATES[self._enabled.view(np.int8)]
+        np.copyto(image.actual_position, image.target_position, where=self._enabled)
+        np.multiply(image.target_velocity, self._enabled, out=image.actual_velocity)
 
     def write(self) -> None:
         """Nothing to send: the set-points are taken at the next read."""

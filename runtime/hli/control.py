@@ -182,6 +182,9 @@ class AxisCommands:
         self._axis = axis
         self._control = control
         self._max_override = max_override
+        self._raw = memoryview(control).cast("B")
+        self._sampled = b""
+        self._present_before = False
         self._reset = OneShot(control.reset)
         self.drive_on = True
         self.release = True  # feed enable
@@ -193,6 +196,10 @@ class AxisCommands:
         """Read what is commanded in this cycle; without a PLC drives are on, axes released, override 100 %."""
         control = self._control
         present = bool(self._axis.plc_present_w)
+        if present == self._present_before and bytes(self._raw) == self._sampled:
+            self.reset = False
+            return  # nothing has been written since the last cycle
+        self._present_before = present
         self.drive_on = sample_bool(control.drive_on, present, True)
         self.release = sample_bool(control.release_feedhold, present, True)
         self.feed_hold = sample_bool(control.feedhold, present, False)
@@ -202,3 +209,4 @@ class AxisCommands:
         control.override.state_r = override
         self.override = override / FULL_OVERRIDE
         self.reset = self._reset.sample(present)
+        self._sampled = bytes(self._raw)

@@ -41,6 +41,7 @@ from runtime.scheduler.plc_link import PlcPartner, PlcSupervision
 from runtime.scheduler.publish import Publisher
 
 Floats = npt.NDArray[np.float64]
+_ENABLED = int(DriveState.OPERATION_ENABLED)
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
@@ -75,7 +76,8 @@ class Controller:
         self.alarms = AlarmList(hli, events, wall_clock)
         described = machine.channels[0]
         self._path_axes = np.array([machine.axis_index(name) for name in described.axes])
-        path_axes = [machine.axes[i] for i in self._path_axes]
+        self._path_list: list[int] = self._path_axes.tolist()
+        path_axes = [machine.axes[i] for i in self._path_list]
         period = machine.cycle.period
         self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)))
         indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
@@ -124,18 +126,19 @@ class Controller:
     def _move(self) -> None:
         """Path and spindles: one set-point for every axis."""
         image = self.drives.image
-        enabled = image.state == DriveState.OPERATION_ENABLED
-        path_enabled = bool(enabled[self._path_axes].all())
+        enabled = (image.state == _ENABLED).tolist()
+        path_enabled = all(enabled[i] for i in self._path_list)
         ready = path_enabled and self.orders.axes_released
         self.channel.step(self.orders.inputs, ready, image.actual_velocity, self.time, self.cycle_number)
         if self.channel.active:
-            tracking = ~enabled[self._path_axes]
-            target = self.interpolator.position
-            if tracking.any():
-                target = np.where(tracking, image.actual_position[self._path_axes], target)
-            image.target_position[self._path_axes] = target
+            if path_enabled:
+                image.target_position[self._path_axes] = self.interpolator.position
+            else:  # an axis without its drive tracks, the others still brake on the path
+                for k, i in enumerate(self._path_list):
+                    if enabled[i]:
+                        image.target_position[i] = self.interpolator.position[k]
         for spindle in self.channel.spindles:
-            spindle.step(self.orders.spindle_override(spindle.index), bool(enabled[spindle.index]))
+            spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
         for problem in self._take_problems():
             self.alarm(problem)
@@ -158,11 +161,11 @@ class Controller:
         while image.events:
             event = image.events.popleft()
             self.alarm(problem_of(event, self.machine), event.axis)
-        changed = np.flatnonzero(image.state != self._states_before)
-        for i in changed:
+        if np.array_equal(image.state, self._states_before):
+            return
+        for i in np.flatnonzero(image.state != self._states_before):
             self._event(EventKind.DRIVE, number=int(i), value=float(image.state[i]), axis=int(i))
-        if len(changed):
-            self._states_before[:] = image.state
+        self._states_before[:] = image.state
 
     def _axis_fault(self, fault: AxisFault) -> None:
         axis = self.machine.axes[fault.axis]

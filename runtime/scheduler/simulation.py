@@ -134,7 +134,13 @@ class Simulation:
             drives = IdealDrives(len(self.machine.axes), start)
             plant = PlantOnImage(self.machine, drives.image, self.plant, lambda: self.time)
             plant.step()  # the first cycle sees the inputs as they are
-            return drives, plant.step
+            every = self.machine.plc.every  # nobody looks at the inputs more often
+
+            def step_plant() -> None:
+                if self._steps % every == 0:
+                    plant.step()
+
+            return drives, step_plant
         import can
 
         from runtime.fieldbus.master import CanopenMaster

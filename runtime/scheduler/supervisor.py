@@ -204,8 +204,8 @@ class Supervisor:
         for event in self._events.take():
             error = event.kind is EventKind.ERROR
             write_event(self.journal, event, self._axis_names, Severity(int(event.value)) if error else Severity.ERROR)
-            if error and self._collector is not None:
-                self._collector.observe()
+            if self._collector is not None:
+                self._collector.count(event)
             if self.on_event is not None:
                 self.on_event(event)
 
