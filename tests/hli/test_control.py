@@ -22,9 +22,7 @@ def hli() -> Hli:
 
 
 @pytest.mark.spec("hli.mech.control-unit", "hli.mech.plc-present", "hli.mech.gui-redirect")
-@pytest.mark.parametrize(
-    ("present", "enable", "command", "operator"), list(itertools.product([False, True], repeat=4))
-)
+@pytest.mark.parametrize(("present", "enable", "command", "operator"), list(itertools.product([False, True], repeat=4)))
 def test_the_plc_commands_only_what_it_has_claimed(present: bool, enable: bool, command: bool, operator: bool) -> None:
     unit = BoolUnit(enable_w=enable, command_w=command)
     in_force = sample_bool(unit, present, operator)
@@ -46,7 +44,12 @@ def test_without_a_plc_axes_are_released_and_override_is_full(hli: Hli) -> None:
     axis = AxisCommands(hli.axes[0])
     channel.sample()
     axis.sample()
-    assert (channel.override, channel.feed_hold, channel.single_block, channel.optional_stop) == (1, False, False, False)
+    assert (channel.override, channel.feed_hold, channel.single_block, channel.optional_stop) == (
+        1,
+        False,
+        False,
+        False,
+    )
     assert (axis.drive_on, axis.release, axis.feed_hold, axis.override) == (True, True, False, 1)
     assert channel.modes.take(present=False) is None
 
@@ -87,7 +90,12 @@ def test_the_operator_switches_what_no_plc_claims(hli: Hli) -> None:
     operator.feedhold_w = operator.single_block_w = operator.optional_stop_w = True
     operator.program_block_ignore_w = 0b101
     channel.sample()
-    assert (channel.feed_hold, channel.single_block, channel.optional_stop, channel.skip_levels) == (True, True, True, 5)
+    assert (channel.feed_hold, channel.single_block, channel.optional_stop, channel.skip_levels) == (
+        True,
+        True,
+        True,
+        5,
+    )
     hli.channels[0].plc_present_w = True
     hli.channels[0].control.feedhold.enable_w = True
     channel.sample()
@@ -226,7 +234,9 @@ def test_a_request_is_dropped_when_the_plc_is_gone_and_carried_out_when_it_gives
 
 
 @pytest.mark.spec("hli.mech.control-unit-usage-check")
-@given(st.lists(st.sampled_from(["operator", "plc", "claim", "give back", "copy", "take", "take", "answer"]), max_size=60))
+@given(
+    st.lists(st.sampled_from(["operator", "plc", "claim", "give back", "copy", "take", "take", "answer"]), max_size=60)
+)
 def test_no_order_is_lost_or_carried_out_twice(script: list[str]) -> None:
     """Whatever the order of events: what was handed in comes out once, per giver in the order of handing in."""
     hli = HliMemory.private().hli

@@ -46,7 +46,17 @@ def test_a_c_program_attaches_and_takes_a_function(shared: HliMemory, tmp_path: 
     (tmp_path / "main.c").write_text(C_PROGRAM)
     program = tmp_path / "main"
     subprocess.run(
-        ["gcc", "-std=gnu11", "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror", "-o", program, tmp_path / "main.c"],
+        [
+            "gcc",
+            "-std=gnu11",
+            "-Wall",
+            "-Wextra",
+            "-Wno-unused-parameter",
+            "-Werror",
+            "-o",
+            program,
+            tmp_path / "main.c",
+        ],
         check=True,
     )
     hli = shared.hli

@@ -169,7 +169,8 @@ class Scanned(list[TechnologyUnit]):
 @given(st.data(), st.booleans())
 @settings(max_examples=60, deadline=None)
 def test_a_scan_that_is_overtaken_by_the_cnc_reorders_nothing(data: st.DataObject, log_on_meanwhile: bool) -> None:
-    """The CNC may finish, restart at index 0 and fill the array again while the PLC is somewhere in the middle of it."""
+    """The CNC may finish, restart at index 0 and fill the array again while the PLC is somewhere in the middle of
+    it."""
     channel, port, taker = sides()
     put: list[int] = []
     taken: list[int] = []
