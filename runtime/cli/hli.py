@@ -51,11 +51,12 @@ def watch(
     """Show state, positions and alarms, live; ends with Ctrl+C or with the runtime."""
     with HliClient(name) as client:
         if as_json:
-            print(json.dumps(client.snapshot()))
-            while not once and client.running:
+            while True:
+                snapshot = client.snapshot()
+                print(json.dumps(snapshot), flush=True)
+                if once or not snapshot["running"]:
+                    return
                 time.sleep(interval)
-                print(json.dumps(client.snapshot()), flush=True)
-            return
         if once:
             Console().print(picture(client.hli, client.running))
             return

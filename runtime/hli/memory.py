@@ -127,6 +127,8 @@ class HliMemory:
             raise HliError(catalogue.HLI_NOT_RUNNING, name=name) from None
         except PermissionError:
             raise HliError(catalogue.HLI_NO_ACCESS, name=name) from None
+        except ValueError:  # it has no size yet
+            raise HliError(catalogue.HLI_NO_SHAPE, name=name) from None
         attached = cls(hli, name, memory)
         try:
             _check_head(name, hli.head)
