@@ -92,6 +92,12 @@ def test_the_reset_bit_falls_again_and_needs_a_new_edge() -> None:
     assert words == [cia402.FAULT_RESET] * cia402.RESET_PULSE_CYCLES + [0] * (30 - cia402.RESET_PULSE_CYCLES)
 
 
+def test_a_fault_that_goes_long_after_its_reset_went_by_itself() -> None:
+    control = DriveControl()
+    run(control, *[(S[DriveState.FAULT], True, False, True)] * (cia402.ACKNOWLEDGED_CYCLES + 2))
+    assert run(control, (S[DriveState.SWITCH_ON_DISABLED], True, False, True)) == [0]
+
+
 def test_a_held_reset_does_not_acknowledge_the_next_fault() -> None:
     control = DriveControl()
     run(control, (S[DriveState.FAULT], True, False, True), (S[DriveState.SWITCH_ON_DISABLED], True, False, True))
@@ -117,6 +123,7 @@ def test_no_sequence_enables_a_faulted_drive_or_orders_something_undefined(
 ) -> None:
     control = DriveControl()
     faulted = False  # a fault that nobody has dealt with
+    acknowledged = False
     reset_before = False
     for statusword, enable, quick_stop, reset in sequence:
         state = control.observe(statusword)
@@ -125,12 +132,13 @@ def test_no_sequence_enables_a_faulted_drive_or_orders_something_undefined(
         edge = reset and not reset_before
         reset_before = reset
         if state in cia402.FAULT_STATES:
-            faulted = faulted or not edge
             assert word in (0x0000, 0x0080)
-            if edge and state is DriveState.FAULT:
-                faulted = False
+            acknowledged = state is DriveState.FAULT and (acknowledged or edge)
+            faulted = not acknowledged
         elif not enable or edge:
             faulted = False
+        if state not in cia402.FAULT_STATES:
+            acknowledged = False
         if faulted and state is not DriveState.OPERATION_ENABLED and state is not DriveState.SWITCHED_ON:
             assert word not in ENABLING, f"{word:#06x} in {state.name}"
         if word == cia402.ENABLE_OPERATION:
