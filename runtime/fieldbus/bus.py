@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import inspect
 import ipaddress
 import socket
 import struct
-from typing import Any, Final
+from collections.abc import Callable
+from typing import Final
 
 import can
+from can.interfaces.socketcan import SocketcanBus
+from can.interfaces.virtual import VirtualBus
 
 from runtime.config.machine import Bus
 from runtime.diagnostics.catalogue import fieldbus as catalogue
@@ -29,6 +33,11 @@ _BY_ERRNO: dict[int, ErrorEntry] = {
     errno.EHOSTUNREACH: catalogue.BUS_NO_MULTICAST,
     errno.EADDRNOTAVAIL: catalogue.BUS_NO_MULTICAST,
 }
+INTERFACES: Final[dict[str, Callable[..., can.BusABC]]] = {
+    "socketcan": SocketcanBus,
+    "virtual": VirtualBus,
+    "udp_multicast": MulticastBus,
+}
 SIOCGIFFLAGS: Final = 0x8913
 INTERFACE_UP: Final = 0x1
 _MULTICAST_ONLY = (catalogue.BUS_NO_MULTICAST,)
@@ -36,44 +45,53 @@ _MULTICAST_ONLY = (catalogue.BUS_NO_MULTICAST,)
 
 def open_bus(config: Bus) -> can.BusABC:
     """An open bus. The caller shuts it down. Raises FieldbusError (303001 to 303007)."""
+    # Not can.Bus(): that would let configuration files of the user's home have a say.
+    interface = INTERFACES[config.interface]
+    known = set(inspect.signature(interface).parameters) - {"self", "channel", "kwargs"}
+    if unknown := sorted(set(config.options) - known):
+        reason = f"known are {', '.join(sorted(known))}"
+        raise _problem(catalogue.BUS_BAD_OPTION, config, reason, options=", ".join(unknown))
+    if config.interface == "udp_multicast":
+        _check_group(config)
     try:
-        if config.interface == "udp_multicast":
-            return _open_multicast(config)
-        if config.interface == "socketcan":
-            _check_up(config)
-        arguments: dict[str, Any] = dict(config.options)
-        return can.Bus(interface=config.interface, channel=config.channel, **arguments)
-    except TypeError as error:
-        options = ", ".join(config.options) or "none"
-        raise _problem(catalogue.BUS_BAD_OPTION, config, str(error), options=options) from error
+        # binding to an interface that is down succeeds; its flags tell
+        if config.interface == "socketcan" and not _interface_flags(config.channel) & INTERFACE_UP:
+            raise OSError(errno.ENETDOWN, "the interface is down")
+        bus = interface(config.channel, **config.options)
+    except (TypeError, ValueError, socket.gaierror) as error:
+        raise _problem(catalogue.BUS_BAD_OPTION, config, str(error), options=str(config.options)) from error
     except (can.CanError, OSError) as error:
         raise _translate(config, error) from error
-
-
-def _open_multicast(config: Bus) -> can.BusABC:
-    try:
-        if not ipaddress.ip_address(config.channel).is_multicast:
-            raise _problem(catalogue.BUS_NO_MULTICAST, config, "this is no multicast address")
-    except ValueError:
-        raise _problem(catalogue.BUS_NO_MULTICAST, config, "this is no IP address") from None
-    bus = MulticastBus(config.channel, **config.options)
-    try:
-        # A group can be joined on an interface that has no route to it: only sending tells. An empty frame of an
-        # identifier that nobody uses harms nobody.
-        bus.send(can.Message(arbitration_id=0x7FF, is_extended_id=False))
-    except can.CanError:
-        bus.shutdown()
-        raise
+    if config.interface == "udp_multicast":
+        _check_route(config, bus)
     return bus
 
 
-def _check_up(config: Bus) -> None:
-    """Binding to an interface that is down succeeds; its flags tell. Raises OSError."""
+def _check_group(config: Bus) -> None:
+    try:
+        multicast = ipaddress.ip_address(config.channel).is_multicast
+    except ValueError:
+        multicast = False
+    if not multicast:
+        raise _problem(catalogue.BUS_NO_MULTICAST, config, "this is no multicast address")
+
+
+def _check_route(config: Bus, bus: can.BusABC) -> None:
+    """A group can be joined on an interface that has no route to it: only sending tells."""
+    try:
+        # an empty frame of an identifier that nobody uses harms nobody
+        bus.send(can.Message(arbitration_id=0x7FF, is_extended_id=False))
+    except can.CanError as error:
+        bus.shutdown()
+        raise _translate(config, error) from error
+
+
+def _interface_flags(channel: str) -> int:
+    """Flags of a network interface; raises OSError (ENODEV: none of this name, EAFNOSUPPORT: no CAN in the kernel)."""
     with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as probe:
-        request = struct.pack("16sh14x", config.channel.encode()[:15], 0)
-        flags = struct.unpack("16sh14x", fcntl.ioctl(probe, SIOCGIFFLAGS, request))[1]
-    if not flags & INTERFACE_UP:
-        raise OSError(errno.ENETDOWN, "the interface is down")
+        request = struct.pack("16sh14x", channel.encode()[:15], 0)
+        flags: int = struct.unpack("16sh14x", fcntl.ioctl(probe, SIOCGIFFLAGS, request))[1]
+    return flags
 
 
 def _translate(config: Bus, error: Exception) -> FieldbusError:

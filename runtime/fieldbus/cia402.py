@@ -100,6 +100,7 @@ _CONTROLWORDS: Final = tuple(CONTROLWORDS[state] for state in DriveState)
 
 FAULT_STATES: Final = (DriveState.FAULT_REACTION_ACTIVE, DriveState.FAULT)
 RESET_PULSE_CYCLES: Final = 10  # so that a lost frame does not lose the edge
+ACKNOWLEDGED_CYCLES: Final = 1000  # drives take their time; a fault that goes later goes by itself
 
 
 @dataclass(slots=True)
@@ -116,7 +117,7 @@ class DriveControl:
     fell: bool = False  # in this cycle it left OPERATION_ENABLED, unordered and without a fault
     controlword: int = DISABLE_VOLTAGE  # the one last ordered
     _acknowledging: int = 0  # cycles that the reset bit still stands
-    _acknowledged: bool = False
+    _acknowledged: int = 0  # cycles in which the fault may still go because of the reset
     _reset_before: bool = False
 
     def observe(self, statusword: int) -> DriveState:
@@ -134,8 +135,9 @@ class DriveControl:
         elif before in FAULT_STATES:
             if self._acknowledged:
                 self.locked = False
-            self._acknowledged = False
-            self._acknowledging = 0
+            self._acknowledged = self._acknowledging = 0
+        if self.state is DriveState.FAULT_REACTION_ACTIVE:  # a new fault
+            self._acknowledged = self._acknowledging = 0
         return self.state
 
     def order(self, enable: bool, quick_stop: bool, reset_fault: bool) -> int:
@@ -147,9 +149,11 @@ class DriveControl:
         if acknowledge:
             if self.state is DriveState.FAULT:
                 self._acknowledging = RESET_PULSE_CYCLES
-                self._acknowledged = True
+                self._acknowledged = ACKNOWLEDGED_CYCLES
             elif self.state is not DriveState.FAULT_REACTION_ACTIVE:
                 self.locked = False
+        elif self._acknowledged:
+            self._acknowledged -= 1
         if self._acknowledging and self.state is DriveState.FAULT:
             self._acknowledging -= 1
             wish = Wish.ACKNOWLEDGE

@@ -15,12 +15,12 @@ from can.interfaces.udp_multicast.utils import pack_message, unpack_message
 
 
 class MulticastBus(UdpMulticastBus):
-    """A CAN bus on a multicast group; takes the arguments of `UdpMulticastBus`."""
+    """A CAN bus on the multicast group `channel`; with `hop_limit` 0 frames never leave this computer."""
 
-    def __init__(self, channel: str, **options: int | float | str | bool) -> None:
+    def __init__(self, channel: str, port: int = 43113, hop_limit: int = 0) -> None:
         self._mark = uuid.uuid4().hex
         self._mark_bytes = self._mark.encode()
-        super().__init__(channel, **options)  # type: ignore[arg-type]
+        super().__init__(channel, port, hop_limit)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Raises can.CanOperationError."""

@@ -143,8 +143,6 @@ class SimulatedNode:
     def step(self, now: float) -> None:
         """Let the time be `now` (s)."""
         self._now = now
-        if self.silent:
-            return
         node, timeout = self._watched
         if node and self._master_heard is not None and not self._master_lost and now - self._master_heard > timeout:
             self._master_lost = True
@@ -155,7 +153,7 @@ class SimulatedNode:
                 if self._number(ERROR_BEHAVIOUR, 1) == 0:  # CiA 301: leave operation
                     self.operational = False
                     self.local.nmt.state = "PRE-OPERATIONAL"
-        if self.operational:
+        if self.operational and not self.silent:
             self._send_events()
 
     def on_heartbeat(self, node: int, now: float) -> None:

@@ -40,10 +40,10 @@ class Servo:
         count, h = self._steps(dt)
         velocity = (target - self.command) / dt
         for _ in range(count):
-            self.command += velocity * h
             pull = self._w * self._w * (self.command - self.position) + self._damping * (velocity - self.velocity)
             self.velocity += pull * h
             self.position += self.velocity * h
+            self.command += velocity * h
         self.command = target
 
     def follow_velocity(self, target: float, dt: float) -> None:

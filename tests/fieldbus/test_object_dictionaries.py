@@ -1,0 +1,85 @@
+"""The EDS files: complete, consistent, and what the profiles ask for."""
+
+from __future__ import annotations
+
+import configparser
+from pathlib import Path
+
+import canopen
+import pytest
+from canopen.objectdictionary import ODVariable
+
+from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
+from runtime.fieldbus.exchange import AXIS_PDOS, SPINDLE_PDOS, io_pdos
+from runtime.fieldbus.pdo import STRUCT_CODES, VALUE_RANGES, find_variable, lay_out
+
+FILES = [DRIVE_EDS, IO_EDS]
+
+
+def sections(file: str) -> configparser.RawConfigParser:
+    parser = configparser.RawConfigParser()
+    parser.optionxform = str  # type: ignore[assignment,method-assign]
+    parser.read_string(Path(eds_path(None, file)).read_text(encoding="utf-8"))
+    return parser
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_lists_and_sections_agree(file: str) -> None:
+    eds = sections(file)
+    listed: list[str] = []
+    for name in ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects"):
+        count = eds.getint(name, "SupportedObjects")
+        numbers = [eds.get(name, str(k + 1)) for k in range(count)]
+        assert len(eds.options(name)) == count + 1
+        listed += [number[2:] for number in numbers]
+    objects = [s for s in eds.sections() if len(s) == 4 and all(c in "0123456789ABCDEF" for c in s)]
+    assert sorted(listed) == sorted(objects)
+    for index in objects:
+        subs = [s for s in eds.sections() if s.startswith(index + "sub")]
+        assert len(subs) == eds.getint(index, "SubNumber", fallback=0)
+    assert eds.get("FileInfo", "FileName") == file
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_defaults_fit_their_types(file: str) -> None:
+    od = canopen.import_od(eds_path(None, file), 5)
+    for entry in od.values():
+        for variable in [entry] if isinstance(entry, ODVariable) else entry.values():
+            assert variable.default is not None, f"{variable.index:04X}:{variable.subindex}"
+            if variable.data_type in STRUCT_CODES:
+                low, high = VALUE_RANGES[variable.data_type]
+                assert low <= variable.default <= high, f"{variable.index:04X}:{variable.subindex}"
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_default_mappings_can_be_laid_out(file: str) -> None:
+    od = canopen.import_od(eds_path(None, file), 5)
+    for first in (0x1600, 0x1A00):
+        for number in range(4):
+            if first + number not in od:
+                continue
+            count = find_variable(od, first + number, 0).default or 0
+            entries = [find_variable(od, first + number, k + 1).default or 0 for k in range(count)]
+            layout = lay_out(od, tuple((entry >> 16, entry >> 8 & 0xFF) for entry in entries))
+            assert layout.mapping_entries(od) == entries
+
+
+def test_the_dictionaries_have_what_is_exchanged() -> None:
+    drive = canopen.import_od(eds_path(None, DRIVE_EDS), 1)
+    for plan in (*AXIS_PDOS, *SPINDLE_PDOS):
+        assert lay_out(drive, plan.objects).codec.size <= 8
+    io = canopen.import_od(eds_path(None, IO_EDS), 10)
+    for plan in io_pdos(64, 64):
+        assert lay_out(io, plan.objects).codec.size == 8
+
+
+def test_layouts_that_cannot_be() -> None:
+    od = canopen.import_od(eds_path(None, DRIVE_EDS), 1)
+    with pytest.raises(KeyError):
+        lay_out(od, ((0x6999, 0),))
+    with pytest.raises(KeyError):
+        lay_out(od, ((0x6040, 1),))
+    with pytest.raises(ValueError, match="cannot be mapped"):
+        lay_out(od, ((0x6085, 0),))
+    with pytest.raises(ValueError, match="96 bits"):
+        lay_out(od, ((0x607A, 0),) * 3)
