@@ -43,6 +43,9 @@ def release_shared(memory: shared_memory.SharedMemory) -> None:
 def remove_shared(memory: shared_memory.SharedMemory) -> None:
     """Close and remove shared memory that `open_shared` made."""
     release_shared(memory)
-    with contextlib.suppress(FileNotFoundError):
-        resource_tracker.register(memory._name, "shared_memory")  # type: ignore[attr-defined]  # unlink forgets it again
+    name = memory._name  # type: ignore[attr-defined]
+    resource_tracker.register(name, "shared_memory")  # unlink forgets it again
+    try:
         memory.unlink()
+    except FileNotFoundError:
+        resource_tracker.unregister(name, "shared_memory")

@@ -145,17 +145,21 @@ class HliMemory:
             return True
         return _locked(SHARED_MEMORY / self.name)
 
-    def close(self) -> None:
-        """Let go of the memory; its owner also removes it. Structures taken from `hli` before stay readable."""
+    def close(self, *, keep: bool = False) -> None:
+        """Let go of the memory; its owner also removes it, unless it is to `keep` it for whoever looks for the cause.
+
+        Structures taken from `hli` before stay readable.
+        """
         memory, self._memory = self._memory, None
         if self._owner:
             self.hli.head.running_r = False
         self.hli = Hli()  # whoever writes through a closed memory hurts nobody
         if memory is None:
             return
-        release_shared(memory)
-        if self._owner:
+        if self._owner and not keep:
             remove_shared(memory)
+        else:
+            release_shared(memory)
 
     def __enter__(self) -> HliMemory:
         return self

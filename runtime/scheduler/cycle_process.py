@@ -156,6 +156,7 @@ class CycleProcess:
         self.queue.close(unlink=True)
         self.link.close(unlink=True)
         self.statistics.close(unlink=clean)
+        self.memory.close(keep=not clean)
 
 
 def main() -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-from ruckig import ControlInterface, InputParameter, OutputParameter, Ruckig
+from ruckig import ControlInterface, InputParameter, OutputParameter, Result, Ruckig
 
 from runtime.config.machine import Axis
 
@@ -76,10 +76,11 @@ class Spindle:
             self._settled = False
         if self._settled:
             return
-        self._otg.update(self._input, self._output)
+        result = self._otg.update(self._input, self._output)
         self._output.pass_to_input(self._input)
         self.set_point = float(self._output.new_velocity[0])
-        if self.set_point == target and abs(self._output.new_acceleration[0]) < 1e-9:
+        if result == Result.Finished:
+            self.set_point = target  # without the last rounding error
             self._settled = True
 
     def reached(self, actual: float) -> bool:
