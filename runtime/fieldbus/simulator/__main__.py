@@ -6,6 +6,7 @@ python -m runtime.fieldbus.simulator --machine FILE [--state FILE] [--exit-with-
 from __future__ import annotations
 
 import argparse
+import gc
 import os
 import signal
 import sys
@@ -74,6 +75,9 @@ def main(arguments: list[str] | None = None) -> int:
         return ended or (options.exit_with_parent and os.getppid() != parent)
 
     nodes = SimulatedNodes(machine, bus, encoders=encoders)
+    # the dictionaries are thousands of objects that live for ever: no need to look through them again and again
+    gc.collect()
+    gc.freeze()
     try:
         serve(nodes, bus, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period))
     except (can.CanError, OSError) as error:
