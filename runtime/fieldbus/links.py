@@ -127,11 +127,14 @@ class DriveLink(NodeLink):
         return moved
 
     def begin(self, status: int, raw_position: int, image: DriveImage) -> None:
-        """What the drive said at boot."""
+        """What the drive said at boot; a fault that it already has is told like one that comes."""
         self._raw_position = self._increments = raw_position
         self._cycles = 0
         self.control = DriveControl()
-        self._publish(image, self.control.observe(status), 0.0)
+        state = self.control.observe(status)
+        self._publish(image, state, 0.0)
+        if state in cia402.FAULT_STATES:
+            image.events.append(self.event(catalogue.DRIVE_FAULT.id, int(image.fault_code[self.axis])))
 
     def feedback(self, image: DriveImage, period: float) -> None:
         """Bring the data of this cycle into the image. `period`: of the cycle, s."""

@@ -31,6 +31,7 @@ from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.pdo import SYNCHRONOUS
 
 MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the next cycle
+MAX_STALE_FRAMES: Final = 10_000
 LOAD_WINDOW: Final = 100  # cycles over which the bus load is taken
 STOP_TIME: Final = 3.0  # s, the longest that stop() waits for the drives
 FAILURES_UNTIL_GONE: Final = 3  # cycles in a row with an error of the bus; a full transmit queue may pass by
@@ -110,8 +111,9 @@ class CanopenMaster:
         )
         self._table = self._receivers(boot)
         try:
-            while self._bus.recv(0) is not None:  # what was on the bus before is of no interest
-                pass
+            for _ in range(MAX_STALE_FRAMES):  # what was on the bus before is of no interest
+                if self._bus.recv(0) is None:
+                    break
             boot.run()
         except BUS_ERRORS as error:
             raise FieldbusError(catalogue.BUS_GONE, meaning=str(error)) from error

@@ -187,6 +187,7 @@ class Supervisor:
             return False
         self._watch_preparation()
         self._watch_plc()
+        self._watch_drives()
         now = time.monotonic()
         if now >= self._retain_at:
             self._retain_at = now + _RETAIN_EVERY
@@ -242,6 +243,11 @@ class Supervisor:
                 self.plc.process.kill()
                 self.plc.process.wait()
             self.plc.start()
+
+    def _watch_drives(self) -> None:
+        if self.drives.process is not None and not self.drives.running:
+            self._tell_lost(self.drives)
+            self.drives.process = None  # like drives without power: they come back with the next start
 
     def _tell_lost(self, child: Child) -> None:
         """Hand the loss to the cycle, which stops the path and raises the alarm."""

@@ -12,7 +12,7 @@ import yaml
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import Problem
-from runtime.drives import DriveEvent, DriveState
+from runtime.drives import DriveEvent, DriveState, DriveSystem
 from runtime.fieldbus.events import problem_of
 from runtime.fieldbus.master import CanopenMaster
 from runtime.fieldbus.simulator import SimulatedNodes
@@ -39,7 +39,8 @@ class Rig:
         self.node_bus = can.Bus(interface="virtual", channel=channel)
         self.nodes = SimulatedNodes(self.machine, self.node_bus) if nodes else None
         self.master = CanopenMaster(self.machine, self.bus, now=lambda: self.time, idle=self.idle)
-        self.image = self.master.image
+        self.system: DriveSystem = self.master
+        self.image = self.system.image
         self.events: list[DriveEvent] = []
         self.master_alive = True
 

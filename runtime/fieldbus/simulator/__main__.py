@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -16,10 +17,8 @@ from pathlib import Path
 from types import FrameType
 
 import can
-import yaml
-from pydantic import ValidationError
 
-from runtime.config.machine import Machine
+from runtime.config import ConfigurationError, load_machine
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.simulator.encoder import EncoderFile
@@ -55,10 +54,10 @@ def main(arguments: list[str] | None = None) -> int:
     )
     options = parser.parse_args(arguments)
     try:
-        machine = Machine.model_validate(yaml.safe_load(options.machine.read_text(encoding="utf-8")))
+        machine = load_machine(options.machine)
         encoders = EncoderFile(options.state) if options.state else None
         bus = open_bus(machine.fieldbus.bus)
-    except (OSError, yaml.YAMLError, ValidationError, FieldbusError) as error:
+    except (OSError, ConfigurationError, FieldbusError) as error:
         print(f"simulator: {error}", file=sys.stderr)
         return 1
     ended = False
@@ -77,6 +76,9 @@ def main(arguments: list[str] | None = None) -> int:
     nodes = SimulatedNodes(machine, bus, encoders=encoders)
     with contextlib.suppress(OSError):  # real drives have processors of their own
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(max(machine.cycle.priority - 5, 1)))
+    # the dictionaries are thousands of objects that live for ever: no need to look through them again and again
+    gc.collect()
+    gc.freeze()
     try:
         serve(nodes, bus, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period))
     except (can.CanError, OSError) as error:

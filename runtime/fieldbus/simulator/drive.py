@@ -102,7 +102,7 @@ class SimulatedDrive(SimulatedNode):
             (SUPPORTED_MODES, 0): 0x180,
             (0x1001, 0): 0,
         }
-        self._advanced = self._now
+        self._advanced = self.now
         self._read_parameters()
         self._publish()
 
@@ -150,7 +150,7 @@ class SimulatedDrive(SimulatedNode):
 
     def before_sync(self) -> None:
         self._move(self._period)
-        self._advanced = self._now
+        self._advanced = self.now
         self._publish()
 
     # -- state machine -----------------------------------------------------------------------------------------------

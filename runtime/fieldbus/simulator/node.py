@@ -75,7 +75,7 @@ class SimulatedNode:
         self._watched: tuple[int, float] = (0, 0.0)  # node id, time-out in s
         self._transmit: list[Pdo] = []
         self._receive: list[Pdo] = []
-        self._now = 0.0
+        self.now = 0.0
         network[node] = self.local
         network.subscribe(0, self._on_nmt)
         self.local.add_read_callback(self._on_read)
@@ -102,7 +102,7 @@ class SimulatedNode:
 
     def power_on(self, now: float) -> None:
         """Boot: defaults, boot-up message, pre-operational."""
-        self._now = now
+        self.now = now
         self.local.data_store.clear()
         self.reset_application()
         self._boot()
@@ -142,7 +142,7 @@ class SimulatedNode:
 
     def step(self, now: float) -> None:
         """Let the time be `now` (s)."""
-        self._now = now
+        self.now = now
         node, timeout = self._watched
         if node and self._master_heard is not None and not self._master_lost and now - self._master_heard > timeout:
             self._master_lost = True
@@ -254,7 +254,7 @@ class SimulatedNode:
                 timer = self._number(plan.communication_index, 5) / 1000.0 if direction is Direction.TRANSMIT else 0.0
                 transmission = self._number(plan.communication_index, 2)
                 layout = self._layout(plan.mapping_index, count)
-                pdos.append(Pdo(cob_id & 0x7FF, layout, transmission, timer, due=self._now + timer))
+                pdos.append(Pdo(cob_id & 0x7FF, layout, transmission, timer, due=self.now + timer))
         for pdo in self._receive:
             self.network.subscribe(pdo.cob_id, self._on_rpdo)
 
@@ -290,9 +290,9 @@ class SimulatedNode:
     def _send_events(self) -> None:
         for pdo in self._transmit:
             if pdo.transmission >= EVENT - 1:
-                timed_out = pdo.event_timer and self._now >= pdo.due
+                timed_out = pdo.event_timer and self.now >= pdo.due
                 if timed_out or self._pack(pdo) != pdo.sent:
-                    pdo.due = self._now + pdo.event_timer
+                    pdo.due = self.now + pdo.event_timer
                     self._send(pdo)
 
     def _pack(self, pdo: Pdo) -> bytes:

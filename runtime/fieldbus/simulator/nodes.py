@@ -19,6 +19,7 @@ from runtime.fieldbus.simulator.node import SimulatedNode
 from runtime.fieldbus.simulator.plant import SimulatedPlant
 
 OTHER_VENDOR = 0x1234
+MAX_FRAMES_PER_POLL = 128
 
 
 class NodeNetwork(PolledNetwork):
@@ -76,13 +77,18 @@ class SimulatedNodes:
             node.power_on(now)
 
     def poll(self, now: float) -> int:
-        """Handle all frames that have come, at the time `now` (s); their number."""
+        """Handle the frames that have come, at the time `now` (s); their number.
+
+        Bounded: on a busy computer frames can come as fast as they are handled, and heartbeats must go out all the
+        same.
+        """
         self._now = now
-        count = 0
-        while (message := self._bus.recv(0)) is not None:
+        for count in range(MAX_FRAMES_PER_POLL):
+            message = self._bus.recv(0)
+            if message is None:
+                return count
             self._network.receive(message)
-            count += 1
-        return count
+        return MAX_FRAMES_PER_POLL
 
     def receive(self, message: can.Message, now: float) -> None:
         """Handle one frame that somebody else took from the bus."""
@@ -90,11 +96,11 @@ class SimulatedNodes:
         self._network.receive(message)
 
     def step(self, now: float) -> None:
-        """Let the time be `now` (s): frames, then heartbeats, plant, motion, event-driven frames."""
+        """Let the time be `now` (s): heartbeats, frames, plant, motion, event-driven frames."""
         if not self._powered:
             self.power_on(now)
-        self.poll(now)
         self._network.step(now)
+        self.poll(now)
         self._step_plant()
         for node in self.nodes.values():
             node.step(now)
@@ -112,7 +118,7 @@ class SimulatedNodes:
 
     def _on_sync(self, can_id: int, data: bytearray, timestamp: float) -> None:
         for node in self.nodes.values():
-            node._now = self._now
+            node.now = self._now
             node.on_sync()
 
     def _on_heartbeat(self, can_id: int, data: bytearray, timestamp: float) -> None:
