@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from runtime.hli.layout import State
-from runtime.plc_logic import TON, NcFunction, Program, h_function, m_function, s_function, t_function
+from runtime.plc_logic import TON, NcFunction, Program, State, h_function, m_function, s_function, t_function
 
 MAGAZINE_PLACES = 8
 

@@ -1,5 +1,6 @@
 """What a PLC program imports: the base class, the handlers of technology functions, the blocks of IEC 61131-3."""
 
+from runtime.hli.layout import AxisState, Mode, State, StopCondition
 from runtime.plc_logic.cycle_time import cycle_at
 from runtime.plc_logic.errors import PlcError, PlcFailure
 from runtime.plc_logic.function_blocks import CTD, CTU, CTUD, F_TRIG, R_TRIG, RS, SR, TOF, TON, TP
@@ -17,10 +18,14 @@ __all__ = [
     "TOF",
     "TON",
     "TP",
+    "AxisState",
+    "Mode",
     "NcFunction",
     "PlcError",
     "PlcFailure",
     "Program",
+    "State",
+    "StopCondition",
     "cycle_at",
     "h_function",
     "m_function",

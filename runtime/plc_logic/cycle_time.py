@@ -7,7 +7,7 @@ numbers: a timer of 0.3 s must not end a cycle late because 75 cycles of 4 ms ad
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 
 _now_ns: ContextVar[int] = ContextVar("time of the PLC cycle")
@@ -33,6 +33,6 @@ def cycle_at_ns(time_ns: int) -> Iterator[None]:
         _now_ns.reset(token)
 
 
-def cycle_at(seconds: float) -> object:
+def cycle_at(seconds: float) -> AbstractContextManager[None]:
     """The same in seconds, for tests: `with cycle_at(0.3): timer(IN=True, PT=0.3)`."""
     return cycle_at_ns(round(seconds * 1e9))

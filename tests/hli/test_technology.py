@@ -122,21 +122,20 @@ def test_a_late_acknowledgement_of_a_withdrawn_function_acknowledges_no_other() 
     channel = Channel(plc_present_w=True)
     resets: list[bool] = []
     port, taker = TechnologyPort(channel), TechnologyTaker(channel, lambda: resets.append(True))
-    old = port.put(m(1))
-    (taken,) = taker.take()
-    assert port.drop_all() == [old]
-    assert port.put(m(2)) is None, "not before the PLC has forgotten the old ones"
-    taken.done()
+    old = [port.put(m(1)), port.put(m(2))]
+    early, late = taker.take()
+    assert port.drop_all() == old
+    assert port.put(m(3)) is None, "not before the PLC has forgotten the old ones"
+    early.done()
     assert taker.take() == []
     assert resets == [True]
-    new = port.put(m(2))
-    assert new is not None
-    taken.done()
+    new = [port.put(m(3)), port.put(m(4))]
+    third, fourth = taker.take()
+    late.done()
     assert port.poll() == []
-    (second,) = taker.take()
-    assert port.poll() == []
-    second.done()
-    assert port.poll() == [new]
+    third.done()
+    fourth.done()
+    assert port.poll() == new
 
 
 def test_a_reset_without_a_plc_needs_no_answer() -> None:
@@ -166,18 +165,21 @@ class Scanned(list[TechnologyUnit]):
         raise NotImplementedError
 
 
-@given(st.data(), st.booleans())
-@settings(max_examples=60, deadline=None)
-def test_a_scan_that_is_overtaken_by_the_cnc_reorders_nothing(data: st.DataObject, log_on_meanwhile: bool) -> None:
-    """The CNC may finish, restart at index 0 and fill the array again while the PLC is somewhere in the middle of
-    it."""
+_steps = st.lists(st.sampled_from(["put mos", "put", "poll"]), max_size=3)
+
+
+@given(st.lists(_steps, max_size=80), st.booleans())
+@settings(max_examples=100, deadline=None)
+def test_a_scan_that_is_overtaken_by_the_cnc_reorders_nothing(script: list[list[str]], log_on_meanwhile: bool) -> None:
+    """The CNC may finish, restart at index 0 and fill the array again while the PLC is in the middle of it."""
     channel, port, taker = sides()
     put: list[int] = []
     taken: list[int] = []
     open_functions: list[Taken] = []
+    steps = iter(script)
 
     def cnc() -> None:
-        for action in data.draw(st.lists(st.sampled_from(["put mos", "put", "poll"]), max_size=3)):
+        for action in next(steps, []):
             if action == "poll":
                 port.poll()
             elif port.put(m(len(put), MOS if action == "put mos" else MVS_SVS)) is not None:
@@ -287,6 +289,6 @@ class Handshake(RuleBasedStateMachine):
         assert self.port.put(m(self.number)) is not None
 
 
-TestHandshake = Handshake.TestCase
+_covers = pytest.mark.spec("hli.tech.unit", "hli.tech.block-sync", "hli.mech.plc-present")
+TestHandshake = _covers(Handshake.TestCase)
 TestHandshake.settings = settings(max_examples=150, stateful_step_count=40, deadline=None)
-TestHandshake.pytestmark = [pytest.mark.spec("hli.tech.unit", "hli.tech.block-sync", "hli.mech.plc-present")]

@@ -65,10 +65,10 @@ def test_a_timer_of_n_cycles_takes_n_cycles(cycle_ms: int, cycles: int) -> None:
     """Not one more: 75 cycles of 4 ms are 0.3 s although the sum of the floats is a little less."""
     timer = TON()
     pt = cycle_ms * cycles / 1000
-    for i in (0, cycles - 1, cycles):
+    for i in sorted({0, cycles - 1, cycles}):
         with cycle_at(i * cycle_ms / 1000):
             timer(IN=True, PT=pt)
-        assert timer.Q == (i == cycles)
+        assert (i >= cycles) is timer.Q
 
 
 def test_pins_keep_their_values_and_the_call_gives_the_block() -> None:
@@ -117,7 +117,7 @@ def test_bistables(s: bool, r: bool, q: bool, sr: bool, rs: bool) -> None:
 
 
 def count(block: CTU | CTD | CTUD, calls: Sequence[dict[str, bool]]) -> list[int]:
-    return [block(**call).CV for call in calls]  # type: ignore[arg-type]
+    return [block(**call).CV for call in calls]
 
 
 def test_up_counter() -> None:
