@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from runtime.cnc.language.addresses import Addresses
@@ -28,6 +29,8 @@ _SCAN_ROWS = 16384
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
 _HEADER = re.compile(r"\s*%(?P<local>L(?=\s))?\s*(?P<name>[^\s(;\"\],#$]*)\s*(?P<rest>.*)$", re.DOTALL)
+_CONTROL = re.compile(r"[\s/]*\d*\s*(?:N[^$]*)?(\$[A-Z]+)", re.IGNORECASE)
+_CONTROLS = {control.value: control for control in Control}
 _OPENING = {
     Control.ELSEIF: Control.IF,
     Control.ELSE: Control.IF,
@@ -160,7 +163,17 @@ class _Reader:
                 self._block(text, offset, line)
         except LineError as error:
             self.problem(error.entry, line, error.column, text, **error.values)
+            self._link_faulty(text, offset, line)
         return following
+
+    def _link_faulty(self, text: str, offset: int, line: int) -> None:
+        """A faulty control statement still opens or closes its structure, or every other one would be told as faulty."""
+        match = _CONTROL.match(text)
+        control = _CONTROLS.get(match.group(1).upper()) if match else None
+        if match and control and self._sections:
+            entry = self._unit.append(offset, line, 0)
+            with suppress(LineError):  # one message per line
+                self._control(ControlStatement(control, match.start(1) + 1), entry, line, text)
 
     def _header(self, text: str, line: int) -> None:
         """% NAME or %L NAME."""
