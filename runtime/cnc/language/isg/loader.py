@@ -7,7 +7,7 @@ found and checked the same way, each once.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -85,12 +85,13 @@ def _load_unit(
     for word, line, source in reader.calls:
         if word.kind is WordKind.CALL_LOCAL:
             if word.name not in unit.local_programs:
-                reader.problem(catalogue.LOCAL_MISSING, line, word.column, source, name=word.name)
+                reader.problem(catalogue.LOCAL_MISSING, line, word.column, source, {"name": word.name})
             continue
         found = next((f for f in (folder / word.name for folder in folders) if f.is_file()), None)
         if found is None:
             paths = ", ".join(dict.fromkeys(str(folder) for folder in folders))
-            reader.problem(catalogue.GLOBAL_MISSING, line, word.column, source, name=word.name, paths=paths)
+            values = {"name": word.name, "paths": paths}
+            reader.problem(catalogue.GLOBAL_MISSING, line, word.column, source, values)
         elif found.resolve() in units:
             unit.global_programs[word.name] = units[found.resolve()]
         else:
@@ -112,7 +113,7 @@ class _Reader:
         self._calls_seen: set[tuple[WordKind, str]] = set()
         self._unit_problems = 0
 
-    def problem(self, entry: ErrorEntry, line: int, column: int, text: str = "", **values: object) -> None:
+    def problem(self, entry: ErrorEntry, line: int, column: int, text: str, values: Mapping[str, object]) -> None:
         """Note a problem; after many of them only count."""
         self._unit_problems += 1
         if len(self._problems) < MAX_PROBLEMS:
@@ -162,7 +163,7 @@ class _Reader:
             elif self._sections or blank_comments(text).strip():
                 self._block(text, offset, line)
         except LineError as error:
-            self.problem(error.entry, line, error.column, text, **error.values)
+            self.problem(error.entry, line, error.column, text, error.values)
             self._link_faulty(text, offset, line)
         return following
 
@@ -245,9 +246,8 @@ class _Reader:
         for entry, opened, text in self._open:
             first = self._unit.links[self._unit.links[entry].first].control
             statement = self._unit.links[entry].control.value
-            self.problem(
-                catalogue.CONTROL_OPEN, opened, text.find("$") + 1, text, statement=statement, end=_CLOSING[first].value
-            )
+            values = {"statement": statement, "end": _CLOSING[first].value}
+            self.problem(catalogue.CONTROL_OPEN, opened, text.find("$") + 1, text, values)
         self._open.clear()
         if self._sections:
             name, local, begin, first_line = self._sections[-1]

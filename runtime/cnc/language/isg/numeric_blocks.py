@@ -12,8 +12,9 @@ from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.words import Expression, ParsedBlock, Word, WordKind
 
-_WORD = r"([A-CF-KMQ-Zf-kmr-t])[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))[ \t]*"
-_BLOCK = re.compile(rf"[ \t]*(?:[Nn][ \t]*(\d+)[ \t]*)?((?:{_WORD})+)")
+# Possessive quantifiers: a text that does not match is given up at once, however long its numbers are.
+_WORD = r"([A-CF-KMQ-Zf-kmr-t])[ \t]*+([+-]?(?:\d++\.?\d*+|\.\d++))[ \t]*+"
+_BLOCK = re.compile(rf"[ \t]*+(?:[Nn][ \t]*+(\d++)[ \t]*+)?((?:{_WORD})++)")
 _WORDS = re.compile(_WORD)
 _KINDS = {
     "F": WordKind.FEED,
