@@ -295,7 +295,7 @@ class Decoder:
             modal.feed = feed
         if block.radius >= 0:
             modal.radius = values[block.radius] * (_INCH if modal.inch else 1.0)
-        functions = functions_of(block, values, source, self._setup, modal)
+        functions = functions_of(block, values, source, self._setup, unit.addresses, modal)
         if block.dwell >= 0:
             motion: list[Block] = [self._dwell(block, values, source)]
         elif block.axes or block.interpolation:

@@ -54,7 +54,7 @@ class Run:
     @property
     def ends(self) -> list[list[float]]:
         """Ends of all motions in machine coordinates."""
-        return [list(row["to"].values()) for row in self.rows if isinstance(row.get("to"), dict)]  # type: ignore[attr-defined]
+        return [list(to.values()) for row in self.rows if isinstance(to := row.get("to"), dict)]
 
     @property
     def parameters(self) -> dict[int, float]:

@@ -75,6 +75,7 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
     ("P1=1e300\nM30", C.NUMBER_RANGE, 1, 4),
     ("X'16#FG'\nM30", C.LITERAL_BASE, 1, 2),
     ("X" + "SIN[" * 70 + "1" + "]" * 70 + "\nM30", C.EXPRESSION_DEPTH, 1, 38),
+    ("X" + "EXIST[M" * 300 + "1" + "]" * 300 + "\nM30", C.EXPRESSION_DEPTH, 1, 1885),
     ("X FOO[1]\nM30", C.FUNCTION_UNKNOWN, 1, 3),
     ("X ATAN2[1]\nM30", C.FUNCTION_ARGUMENTS, 1, 3),
     ("P0 = 1\nM30", C.PARAMETER_INDEX, 1, 1),
@@ -146,6 +147,7 @@ def test_the_check_finds_it(text: str, entry: ErrorEntry, line: int, column: int
     assert first.explained()  # text and remedy can be filled in
 
 
+@pytest.mark.spec("isg.lex.units-ranges", "isg.param.scalar", "isg.lex.numeric-functions", "isg.lex.trigonometry")
 @pytest.mark.parametrize(("text", "entry", "line", "column"), DYNAMIC)
 def test_the_decoder_finds_it(text: str, entry: ErrorEntry, line: int, column: int) -> None:
     run = decode(text)

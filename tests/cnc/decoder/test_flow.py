@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -186,21 +188,17 @@ def test_the_counter_may_be_computed() -> None:
 
 
 @pytest.mark.spec("isg.flow.while")
-def test_a_loop_without_motion_can_be_interrupted() -> None:
+def test_a_loop_without_motion_can_be_interrupted(tmp_path: Path) -> None:
     asked = []
 
     def interrupted() -> bool:
         asked.append(1)
         return len(asked) >= 3
 
-    import tempfile
-    from pathlib import Path
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "a.nc"
-        path.write_text("$WHILE 1\nP1 = 1\n$ENDWHILE\nM30")
-        decoder = Decoder(load_program(path, SETUP), SETUP, start=np.zeros(3), interrupted=interrupted)
-        assert list(decoder.blocks()) == []
+    path = tmp_path / "a.nc"
+    path.write_text("$WHILE 1\nP1 = 1\n$ENDWHILE\nM30")
+    decoder = Decoder(load_program(path, SETUP), SETUP, start=np.zeros(3), interrupted=interrupted)
+    assert list(decoder.blocks()) == []
     assert len(asked) == 3
 
 
@@ -237,7 +235,7 @@ def write(program: list[Statement], level: int = 0) -> list[str]:
             case ("add", parameter, value):
                 lines.append(f"P{parameter} = P{parameter} + {value}")
             case ("if", branches, otherwise):
-                for i, ((parameter, operator, value), inner) in enumerate(branches):  # type: ignore[var-annotated, arg-type, has-type]
+                for i, ((parameter, operator, value), inner) in enumerate(branches):  # type: ignore[var-annotated, arg-type]
                     lines.append(f"{'$ELSEIF' if i else '$IF'} P{parameter} {operator} {value}")
                     lines += write(inner, level + 1)
                 if otherwise is not None:

@@ -59,8 +59,9 @@ def truth(a: float) -> bool:
 
 
 def raised(a: float, b: float) -> float:
-    result = a**b
-    if isinstance(result, complex) or not math.isfinite(result):
+    a, b = float(a), float(b)
+    result: object = a**b
+    if not isinstance(result, float) or not math.isfinite(result):
         raise ArithmeticError
     return result
 

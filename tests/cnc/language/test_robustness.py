@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 import tracemalloc
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -17,10 +17,13 @@ from runtime.cnc.language.isg.registry import G_FUNCTIONS, G_NUMBERS
 from tests.cnc.decoder.programs import SETUP, decode
 
 tokens = st.sampled_from(
-    ["%", "%L A", "LL A", "L x", "N1", "G0", "G1", "G2", "G4", "G54", "G70", "G91", "X", "Y1", "I2", "R3", "F9", "S1", "T1"]
-    + ["M3", "M10", "M30", "M17", "H20", "P1", "PP1", "P[", "=", "1", "-0.5", "1e5", "'H1F'", "[", "]", "+", "**", "MOD"]
-    + ["SIN[", "ATAN2[", ",", "$IF", "$ELSEIF", "$ELSE", "$ENDIF", "$FOR", "$ENDFOR", "$WHILE", "$ENDWHILE", "\n", "\n"]
-    + ["(", ")", ";", "/", "/2", " ", "V.G.X", "#MSG", '"A"', "\\", "@P1", ":", "EXIST[", "&&", "XOR", "<", "!=", "\x00"]
+    [
+        *("%", "%L A", "LL A", "L x", "N1", "G0", "G1", "G2", "G4", "G54", "G70", "G91", "X", "Y1", "I2", "R3", "F9"),
+        *("S1", "T1", "M3", "M10", "M30", "M17", "H20", "P1", "PP1", "P[", "=", "1", "-0.5", "1e5", "'H1F'", "["),
+        *("]", "+", "**", "MOD", "SIN[", "ATAN2[", ",", "$IF", "$ELSEIF", "$ELSE", "$ENDIF", "$FOR", "$ENDFOR"),
+        *("$WHILE", "$ENDWHILE", "\n", "\n", "\n", "(", ")", ";", "/", "/2", " ", "V.G.X", "#MSG", '"A"', "\\", "@P1"),
+        *(":", "EXIST[", "&&", "XOR", "<", "!=", "\x00"),
+    ]
 )
 
 
@@ -47,7 +50,9 @@ def test_random_lines(text: str) -> None:
     survives(text.encode())
 
 
-@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="a million lines take too long without compiled kernels")
+@pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="a million lines take too long without compiled kernels"
+)
 def test_memory_stays_flat_over_long_programs() -> None:
     """Nothing is held per line of plain blocks; 1 200 000 lines against 600 000."""
 

@@ -21,9 +21,33 @@ PARSER = block_parser(ADDRESSES)
 
 # Pieces that make plain blocks, nearly plain ones and faulty ones.
 pieces = st.sampled_from(
-    ["N10", "N", "G0", "G01", "g1", "G2", "G", "G00", "X", "Y", "Z", "A", "Q", "F", "f", "I", "M8", "S", "R5", "P1", "E"]
-    + ["1", "-2.5", "+3", ".5", "7.", "0.1234567890123456", "12345678901", "-", ".", "=", "[", "]", "e3", "*", "/", "%"]
-    + [" ", "  ", "\t", "(c)", "(a(b)c)", "(open", "(a(b", ")", ";end", "\xe4", "\r", "D1", "T2", "XY=3", "H9", "K"]
+    [
+        *(
+            "N10",
+            "N",
+            "G0",
+            "G01",
+            "g1",
+            "G2",
+            "G",
+            "G00",
+            "X",
+            "Y",
+            "Z",
+            "A",
+            "Q",
+            "F",
+            "f",
+            "I",
+            "M8",
+            "S",
+            "R5",
+            "P1",
+        ),
+        *("E", "1", "-2.5", "+3", ".5", "7.", "0.1234567890123456", "12345678901", "-", ".", "=", "[", "]", "e3", "*"),
+        *("/", "%", " ", "  ", "\t", "(c)", "(a(b)c)", "(open", "(a(b", ")", ";end", "\xe4", "\r", "D1", "T2", "XY=3"),
+        *("H9", "K"),
+    ]
 )
 lines = st.lists(pieces, max_size=10).map("".join)
 words = st.tuples(st.sampled_from("XYZAFGNIRMS"), st.sampled_from(["1", "0", "-2.5", ".25", "8", "04"])).map("".join)
@@ -110,7 +134,8 @@ def test_scanning_in_windows_equals_scanning_at_once(texts: list[str], size: int
             break
         end += size
     assert position == offset
-    assert np.array_equal(np.array(parts).reshape(-1, 2), np.column_stack([expected.given, expected.feed]), equal_nan=True)
+    whole_rows = np.column_stack([expected.given, expected.feed])
+    assert np.array_equal(np.array(parts).reshape(-1, 2), whole_rows, equal_nan=True)
 
 
 @given(st.integers(-999999999, 999999999), st.integers(0, 6))

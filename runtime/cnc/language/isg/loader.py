@@ -168,7 +168,7 @@ class _Reader:
         return following
 
     def _link_faulty(self, text: str, offset: int, line: int) -> None:
-        """A faulty control statement still opens or closes its structure, or every other one would be told as faulty."""
+        """A faulty control statement still opens or closes its structure, so that the others are not told as faulty."""
         match = _CONTROL.match(text)
         control = _CONTROLS.get(match.group(1).upper()) if match else None
         if match and control and self._sections:

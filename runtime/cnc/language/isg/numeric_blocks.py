@@ -1,7 +1,7 @@
 """A short cut for blocks of letters and plain numbers that the scan kernel does not take (arcs, M and S functions ...).
 
-CAM programs hold them by the hundred thousand, and the grammar takes half a millisecond for one. What is read here is exactly
-what the grammar gives for the same text; whatever looks unusual is left to it.
+CAM programs hold them by the hundred thousand, and the grammar takes half a millisecond for one. What is read here is
+exactly what the grammar gives for the same text; whatever looks unusual is left to it.
 """
 
 from __future__ import annotations

@@ -88,12 +88,12 @@ class _Builder(Transformer[Token, ParsedBlock]):
     def read(self, number: Expression) -> Expression:
         return expressions.read(number.source, number.depth)
 
-    def exists(self, _: Token, number: Expression) -> Expression:
-        return Expression(f"(1.0 if {number.source} in p else 0.0)", depth=number.depth + 1)
+    def exists(self, name: Token, number: Expression) -> Expression:
+        return expressions.exists(number, "p", _column(name))
 
-    def exists_function(self, _: Token, letter: Token, number: Expression) -> Expression:
-        known = "known_m" if letter.upper() == "M" else "known_h"
-        return Expression(f"(1.0 if round_half_up({number.source}) in {known} else 0.0)", depth=number.depth + 1)
+    def exists_function(self, name: Token, letter: Token, number: Expression) -> Expression:
+        rounded = Expression(f"round_half_up({number.source})", depth=number.depth + 1)
+        return expressions.exists(rounded, "known_m" if letter.upper() == "M" else "known_h", _column(name))
 
     # -- words
 
