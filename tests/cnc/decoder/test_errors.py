@@ -254,7 +254,6 @@ def test_faults_of_a_global_subprogram_name_its_file() -> None:
 # -- synchronisation types -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("chan.mh.sync-model")
 def test_synchronisation_types() -> None:
     assert parse_synch("MVS_SVS") == Synch.MVS_SVS
     assert parse_synch("PLC_INFO | MVS_SNS") == Synch.MVS_SNS | Synch.PLC_INFO

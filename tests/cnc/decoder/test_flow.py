@@ -304,7 +304,6 @@ def test_indirect_parameters() -> None:
     assert run.parameters == {1: 20, 2: 40, 20: 7, 40: 51, 3: 1, 25: 8, 30: 9}
 
 
-@pytest.mark.spec("isg.lex.exist", "isg.param.delete-exist-sizeof")
 def test_exist_asks_without_creating() -> None:
     text = "P1 = EXIST[P5] P2 = EXIST[M10] P3 = EXIST[M77] P4 = EXIST[H20] P6 = EXIST[P1]\nM30"
     assert decode(text).parameters == {1: 0, 2: 1, 3: 0, 4: 1, 6: 1}

@@ -50,7 +50,7 @@ def test_absolute_and_incremental() -> None:
     ]
 
 
-@pytest.mark.spec("isg.g.zero-offset-g53-g59", "isg.lex.coordinate-offset-model")
+@pytest.mark.spec("isg.g.zero-offset-g53-g59")
 def test_zero_offsets() -> None:
     text = "G00 X1\nG54 X1\nY[1]\nG55\nG91 X1\nG90 X1\nG56 X0\nG57 X0\nG58 X0\nG59 X0 Y0 Z0\nG53 X1\nM30"
     run = decode(text)
@@ -246,7 +246,6 @@ def test_helix_with_pitch(pitch: float, turns: float) -> None:
     assert arc.angle == pytest.approx(-360 * turns)
 
 
-@pytest.mark.spec("isg.g.circle-centre-correction-g164-g165")
 def test_an_inexact_centre_is_moved() -> None:
     (arc,) = arcs("G02 X10 Y0 I5.1 J0.05 F100\nM30")
     assert arc.centre.tolist() == pytest.approx([5, 0.05])

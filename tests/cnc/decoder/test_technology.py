@@ -73,7 +73,6 @@ def test_reserved_functions_are_put_out_if_configured() -> None:
     ]
 
 
-@pytest.mark.spec("isg.spdl.m3-m4-m5", "isg.spdl.s-word", "isg.spdl.sync-priority")
 def test_spindle_functions() -> None:
     text = "S1000\nM03\nM4\nS500\nM05 S300\nM04\nS[2 * 100] M3\nS=50\nM30"
     assert stream(text) == [
