@@ -10,20 +10,16 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from runtime.cnc.blocks import (
-    Arc,
     Block,
     BlockEnd,
-    Dwell,
     Floats,
-    Line,
     Source,
     Stop,
     StopKind,
 )
 from runtime.cnc.decoder import circles
+from runtime.cnc.decoder.motion import INCH, PLANES, POSITION_LIMIT, MotionWords
 from runtime.cnc.decoder.plain import NeedsFull, PlainRuns
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, functions_of
@@ -31,25 +27,16 @@ from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Parameters, Values
 from runtime.cnc.language.isg.functions import round_half_up
-from runtime.cnc.language.isg.modal import ModalState, Motion, Plane
+from runtime.cnc.language.isg.modal import ModalState
 from runtime.cnc.language.isg.program import Program, Section, Unit
 from runtime.cnc.language.isg.words import Control, WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
-POSITION_LIMIT = 214_000.0  # mm or degrees (programming manual line 1974)
 MAX_LEVELS = 50  # program levels, the main program is the first (channel parameters line 7555)
 POLL = 256  # executed entries between two questions whether to go on
 TRUE_FROM = 0.5  # conditions: |value| from here on is true (programming manual line 8355)
-_INCH = 25.4
 _NUMBER_LIMIT = 2**31
-
-# The axes of a plane (indices of main axes) and the letters of its centre and of the pitch (lines 2216–2230, 2480).
-_PLANES = {
-    Plane.XY: ((0, 1), "IJ", "K"),
-    Plane.ZX: ((2, 0), "KI", "J"),
-    Plane.YZ: ((1, 2), "JK", "I"),
-}
 
 
 @dataclass(slots=True)
@@ -96,14 +83,13 @@ class Decoder:
         self._program = program
         self._setup = setup
         self._parameters = Parameters()
-        self._position = np.array(start, dtype=np.float64)
+        self._motion = MotionWords(setup, start)
         self._skip_levels = skip_levels
         self._interrupted = interrupted
         self._idle_limit = idle_limit
         self._idle = 0
         self._plain = PlainRuns(setup.axes, POSITION_LIMIT)
         self._frames = [_Frame(program.unit, program.main, program.main.begin)]
-        self._factors: tuple[bool, Floats] = (False, setup.inch_factors(False))
 
     @property
     def parameters(self) -> dict[int, float]:
@@ -113,7 +99,7 @@ class Decoder:
     @property
     def position(self) -> Floats:
         """End of the last decoded motion in machine coordinates, shape (n_axes,)."""
-        return self._position.copy()
+        return self._motion.position.copy()
 
     def blocks(self) -> Iterator[Block]:
         """The blocks of the program in order. ProgramError where something is wrong; what came before stays valid."""
@@ -147,7 +133,9 @@ class Decoder:
     def _run(self, unit: Unit, entry: int) -> Iterator[Block]:
         """A run of plain blocks."""
         offset = self._setup.zero_offset(self.modal.zero_offset)
-        for part in self._plain.run(unit, entry, self.modal, self._position, self._factor(), offset):
+        for part in self._plain.run(
+            unit, entry, self.modal, self._motion.position, self._motion.factor(self.modal), offset
+        ):
             if isinstance(part, NeedsFull):
                 yield from self._execute(None, entry, part.offset, part.line)
             else:
@@ -169,7 +157,7 @@ class Decoder:
         except LineError as error:
             raise self._error(unit, line, error.column, block, error.entry, error.values) from None
         except circles.CircleError as error:
-            given = {**error.values, "letters": ", ".join(_PLANES[self.modal.plane][1])}
+            given = {**error.values, "letters": ", ".join(PLANES[self.modal.plane][1])}
             raise self._error(unit, line, block.column(WordKind.AXIS), block, error.entry, given) from None
         except CalculationError as error:
             column = block.text.upper().find(error.name.upper()) + 1
@@ -289,17 +277,17 @@ class Decoder:
             number = round_half_up(values[block.number])
         source = Source(unit.name, line, number)
         if block.feed >= 0:
-            feed = values[block.feed] * (_INCH if modal.inch else 1.0)
+            feed = values[block.feed] * (INCH if modal.inch else 1.0)
             if not 0 <= feed < math.inf:
                 raise LineError(catalogue.FEED_INVALID, block.column(WordKind.FEED), value=values[block.feed])
             modal.feed = feed
         if block.radius >= 0:
-            modal.radius = values[block.radius] * (_INCH if modal.inch else 1.0)
-        functions = functions_of(block, values, source, self._setup, modal)
+            modal.radius = values[block.radius] * (INCH if modal.inch else 1.0)
+        functions = functions_of(block, values, source, self._setup, unit.addresses, modal)
         if block.dwell >= 0:
-            motion: list[Block] = [self._dwell(block, values, source)]
+            motion: list[Block] = [self._motion.dwell(block, values, source, modal)]
         elif block.axes or block.interpolation:
-            motion = [self._motion(block, values, source)]
+            motion = [self._motion.move(block, values, source, modal)]
         else:
             motion = []
         out = functions.in_order(source, motion)
@@ -323,109 +311,6 @@ class Decoder:
             self.warnings.append(Problem(catalogue.END_IN_SUBPROGRAM, {"number": number, "name": name}, place))
         self._frames.clear()
         return [Stop(source, StopKind.PROGRAM_END)]
-
-    def _dwell(self, block: CompiledBlock, values: Values, source: Source) -> Dwell:
-        value = values[block.dwell]
-        if not 0 <= value < math.inf:
-            raise LineError(catalogue.DWELL_NEGATIVE, block.column(WordKind.DWELL), value=value)
-        if not block.dwell_revolutions:
-            return Dwell(source, value)
-        if self.modal.speed <= 0:
-            raise LineError(catalogue.DWELL_SPEED, block.column(WordKind.DWELL))
-        return Dwell(source, value / self.modal.speed * 60.0)
-
-    def _motion(self, block: CompiledBlock, values: Values, source: Source) -> Line | Arc:
-        """The motion of the axis words; the position moves along."""
-        modal = self.modal
-        shift = self._setup.zero_offset(modal.zero_offset)
-        factor = self._factor()
-        start = self._position.copy()
-        end = start.copy()
-        for axis, slot in block.axes:
-            programmed = values[slot] * factor[axis]
-            end[axis] = end[axis] + programmed if modal.incremental else programmed + shift[axis]
-            if not (abs(end[axis]) <= POSITION_LIMIT and abs(programmed) <= POSITION_LIMIT):
-                target = programmed if abs(programmed) > POSITION_LIMIT else float(end[axis])
-                name = self._setup.axes[axis]
-                column = block.column(WordKind.AXIS, axis)
-                raise LineError(catalogue.POSITION_RANGE, column, value=target, axis=name, limit=POSITION_LIMIT)
-        feed = math.inf
-        if modal.motion is not Motion.RAPID:
-            if modal.feed is None:
-                column = block.column(WordKind.AXIS if block.axes else WordKind.INTERPOLATION)
-                raise LineError(catalogue.FEED_MISSING, column, motion=int(modal.motion))
-            if modal.feed <= 0:
-                raise LineError(catalogue.FEED_INVALID, block.column(WordKind.FEED), value=modal.feed)
-            feed = modal.feed
-        result: Line | Arc
-        if modal.motion in (Motion.CIRCLE_CW, Motion.CIRCLE_CCW):
-            result = self._arc(block, values, source, start, end, feed, shift)
-        elif block.interpolation:
-            letter = "IJK"[block.interpolation[0][0]]
-            column = block.column(WordKind.INTERPOLATION)
-            raise LineError(catalogue.CENTRE_WITHOUT_CIRCLE, column, letter=letter, motion=int(modal.motion))
-        else:
-            result = Line(source, start, end, feed, modal.motion is Motion.RAPID, end - shift)
-        self._position[:] = end
-        return result
-
-    def _arc(
-        self,
-        block: CompiledBlock,
-        values: Values,
-        source: Source,
-        start: Floats,
-        end: Floats,
-        feed: float,
-        shift: Floats,
-    ) -> Arc:
-        modal = self.modal
-        plane, letters, pitch_letter = _PLANES[modal.plane]
-        if max(plane) >= len(start):
-            raise LineError(
-                catalogue.PLANE_UNAVAILABLE,
-                block.column(WordKind.AXIS),
-                plane=int(modal.plane),
-                needed=max(plane) + 1,
-                axes=len(start),
-            )
-        factor = _INCH if modal.inch else 1.0
-        given = {"IJK"[index]: values[slot] * factor for index, slot in block.interpolation}
-        by_centre = any(letter in given for letter in letters)
-        first, second = plane
-        begin = (float(start[first]), float(start[second]))
-        target = (float(end[first]), float(end[second]))
-        clockwise = modal.motion is Motion.CIRCLE_CW
-        if by_centre:
-            if block.radius >= 0:
-                raise LineError(catalogue.CENTRE_AND_RADIUS, block.column(WordKind.RADIUS))
-            modal.radius = None  # a centre ends the radius (line 2374)
-            origin = (float(shift[first]), float(shift[second])) if modal.centre_absolute else begin
-            centre = (origin[0] + given.get(letters[0], 0.0), origin[1] + given.get(letters[1], 0.0))
-            bounds = (self._setup.centre_shift, self._setup.centre_shift_share)
-            circle = circles.by_centre(begin, target, centre, clockwise, *bounds)
-        elif modal.radius is not None:
-            circle = circles.by_radius(begin, target, modal.radius, clockwise)
-        else:
-            column = block.column(WordKind.AXIS)
-            letters_text = ", ".join(letters)
-            raise LineError(catalogue.CENTRE_MISSING, column, motion=int(modal.motion), letters=letters_text)
-        angle = circle.angle
-        if pitch_letter in given:
-            pitch = given[pitch_letter]
-            if not pitch > 0:
-                column = block.column(WordKind.INTERPOLATION, "IJK".index(pitch_letter))
-                raise LineError(catalogue.PITCH_INVALID, column, letter=pitch_letter, value=pitch)
-            third = 3 - first - second
-            height = float(end[third] - start[third]) if third < len(start) else 0.0
-            angle = circles.turns_with_pitch(angle, height, pitch)
-        return Arc(source, start, end, feed, end - shift, plane, np.array(circle.centre), circle.radius, angle)
-
-    def _factor(self) -> Floats:
-        """What programmed coordinates are multiplied with, (n_axes,)."""
-        if self._factors[0] != self.modal.inch:
-            self._factors = (self.modal.inch, self._setup.inch_factors(self.modal.inch))
-        return self._factors[1]
 
 
 def _true(value: float) -> bool:

@@ -127,8 +127,8 @@ class PlainRuns:
             return
         scanner = self._scanners.setdefault(id(unit), PlainScanner(unit.addresses, CHUNK))
         keep = left <= _KEPT_LINES
-        size = 1 << 16 if keep else WINDOW
-        window, base, position = unit.text.window(offset, size), offset, 0
+        behind = unit.offsets[entry + 1] if entry + 1 < len(unit.offsets) else unit.text.size
+        window, base, position = unit.text.window(offset, min(behind - offset, WINDOW)), offset, 0
         while left > 0:
             final = base + window.size >= unit.text.size
             count, end, stopped = scanner.scan(window, position, final)

@@ -18,7 +18,7 @@ ZERO_OFFSETS = range(53, 60)
 CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
 
-_FLAGS = Synch.PLC_INFO
+_FLAGS = int(Synch.PLC_INFO)
 _SUPPORTED = (Synch.NO_SYNCH, Synch.MOS, Synch.MVS_SVS, Synch.MVS_SNS, Synch.MNS_SNS)
 # All types of P-CHAN-00041 (channel parameters line 1838), also those that are still to come.
 _KNOWN: dict[str, int] = {
@@ -82,7 +82,7 @@ def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
             )
         if value & ~_FLAGS in [int(synch) for synch in _SUPPORTED]:
             return Synch(value)
-    supported = ", ".join(str(synch.name) for synch in (*_SUPPORTED, _FLAGS))
+    supported = ", ".join(str(synch.name) for synch in (*_SUPPORTED, Synch.PLC_INFO))
     raise DecoderSetupError(catalogue.SYNCH_UNSUPPORTED, Place(), parameter=parameter, text=text, supported=supported)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from runtime.cnc.blocks import Block, Source, StopKind, Synch, Technology, TechnologyFunction, Wait
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, FunctionSlots, Values
 from runtime.cnc.language.isg.functions import round_half_up
@@ -56,7 +57,7 @@ class Functions:
 
 
 def functions_of(
-    block: CompiledBlock, values: Values, source: Source, setup: DecoderSetup, modal: ModalState
+    block: CompiledBlock, values: Values, source: Source, setup: DecoderSetup, addresses: Addresses, modal: ModalState
 ) -> Functions:
     """The functions of a block: T, spindle, M, H, whatever their order in the text, so that a tool change knows its
     tool.
@@ -76,7 +77,7 @@ def functions_of(
             raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
         if setup.tool_synch != Synch.NO_SYNCH:
             functions.add(TechnologyFunction(source, Technology.T, round_half_up(tool), 0.0, setup.tool_synch))
-    numbers = [_number(slots, values, setup) for slots in block.m]
+    numbers = [_number(slots, values, addresses) for slots in block.m]
     for slots, number in zip(block.m, numbers, strict=True):
         if number in SPINDLE_M:
             if spindle_m >= 0:
@@ -96,7 +97,7 @@ def functions_of(
         if synch != Synch.NO_SYNCH:
             functions.add(TechnologyFunction(source, Technology.M, number, _extra(slots, values), synch))
     for slots in block.h:
-        number = _number(slots, values, setup)
+        number = _number(slots, values, addresses)
         if setup.h_synch[number] != Synch.NO_SYNCH:
             value = _extra(slots, values)
             functions.add(TechnologyFunction(source, Technology.H, number, value, setup.h_synch[number]))
@@ -110,10 +111,10 @@ def _spindle(functions: Functions, synch: Synch, number: int, modal: ModalState,
     functions.add(TechnologyFunction(source, Technology.S, number, modal.speed, synch, 0))
 
 
-def _number(slots: FunctionSlots, values: Values, setup: DecoderSetup) -> int:
+def _number(slots: FunctionSlots, values: Values, addresses: Addresses) -> int:
     if slots.word.value is not None and slots.word.value.constant is not None:
         return round_half_up(values[slots.number])  # checked when the program was read
-    return check_function(slots.word, values[slots.number], setup.addresses)
+    return check_function(slots.word, values[slots.number], addresses)
 
 
 def _extra(slots: FunctionSlots, values: Values) -> float:

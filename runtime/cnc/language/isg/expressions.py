@@ -109,6 +109,11 @@ def read(number: str, depth: int = 0) -> Expression:
     return Expression(f"p[{number}]", None, TIGHT, depth)
 
 
+def exists(number: Expression, table: str, column: int) -> Expression:
+    """1 if `number` is in the table of that name, else 0; nothing is created and nothing can fail."""
+    return _join(column, TIGHT, "(1.0 if ", number, f" in {table} else 0.0)")
+
+
 def _part(expression: Expression, binding: int) -> Expression:
     """The expression, in brackets if it binds looser than its place asks for."""
     if expression.binding >= binding:

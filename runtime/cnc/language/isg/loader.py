@@ -7,7 +7,8 @@ found and checked the same way, each once.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from runtime.cnc.language.addresses import Addresses
@@ -28,6 +29,8 @@ _SCAN_ROWS = 16384
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
 _HEADER = re.compile(r"\s*%(?P<local>L(?=\s))?\s*(?P<name>[^\s(;\"\],#$]*)\s*(?P<rest>.*)$", re.DOTALL)
+_CONTROL = re.compile(r"[\s/]*\d*\s*(?:N[^$]*)?(\$[A-Z]+)", re.IGNORECASE)
+_CONTROLS = {control.value: control for control in Control}
 _OPENING = {
     Control.ELSEIF: Control.IF,
     Control.ELSE: Control.IF,
@@ -82,12 +85,13 @@ def _load_unit(
     for word, line, source in reader.calls:
         if word.kind is WordKind.CALL_LOCAL:
             if word.name not in unit.local_programs:
-                reader.problem(catalogue.LOCAL_MISSING, line, word.column, source, name=word.name)
+                reader.problem(catalogue.LOCAL_MISSING, line, word.column, source, {"name": word.name})
             continue
         found = next((f for f in (folder / word.name for folder in folders) if f.is_file()), None)
         if found is None:
             paths = ", ".join(dict.fromkeys(str(folder) for folder in folders))
-            reader.problem(catalogue.GLOBAL_MISSING, line, word.column, source, name=word.name, paths=paths)
+            values = {"name": word.name, "paths": paths}
+            reader.problem(catalogue.GLOBAL_MISSING, line, word.column, source, values)
         elif found.resolve() in units:
             unit.global_programs[word.name] = units[found.resolve()]
         else:
@@ -109,7 +113,7 @@ class _Reader:
         self._calls_seen: set[tuple[WordKind, str]] = set()
         self._unit_problems = 0
 
-    def problem(self, entry: ErrorEntry, line: int, column: int, text: str = "", **values: object) -> None:
+    def problem(self, entry: ErrorEntry, line: int, column: int, text: str, values: Mapping[str, object]) -> None:
         """Note a problem; after many of them only count."""
         self._unit_problems += 1
         if len(self._problems) < MAX_PROBLEMS:
@@ -159,8 +163,18 @@ class _Reader:
             elif self._sections or blank_comments(text).strip():
                 self._block(text, offset, line)
         except LineError as error:
-            self.problem(error.entry, line, error.column, text, **error.values)
+            self.problem(error.entry, line, error.column, text, error.values)
+            self._link_faulty(text, offset, line)
         return following
+
+    def _link_faulty(self, text: str, offset: int, line: int) -> None:
+        """A faulty control statement still opens or closes its structure, so that the others are not told as faulty."""
+        match = _CONTROL.match(text)
+        control = _CONTROLS.get(match.group(1).upper()) if match else None
+        if match and control and self._sections:
+            entry = self._unit.append(offset, line, 0)
+            with suppress(LineError):  # one message per line
+                self._control(ControlStatement(control, match.start(1) + 1), entry, line, text)
 
     def _header(self, text: str, line: int) -> None:
         """% NAME or %L NAME."""
@@ -232,9 +246,8 @@ class _Reader:
         for entry, opened, text in self._open:
             first = self._unit.links[self._unit.links[entry].first].control
             statement = self._unit.links[entry].control.value
-            self.problem(
-                catalogue.CONTROL_OPEN, opened, text.find("$") + 1, text, statement=statement, end=_CLOSING[first].value
-            )
+            values = {"statement": statement, "end": _CLOSING[first].value}
+            self.problem(catalogue.CONTROL_OPEN, opened, text.find("$") + 1, text, values)
         self._open.clear()
         if self._sections:
             name, local, begin, first_line = self._sections[-1]

@@ -10,6 +10,7 @@ from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.comments import LineError, blank_comments
+from runtime.cnc.language.isg.numeric_blocks import numeric_block
 from runtime.cnc.language.isg.registry import G_FUNCTIONS, G_NUMBERS, GFunction
 from runtime.cnc.language.isg.syntax_errors import explain
 from runtime.cnc.language.isg.words import Control, ControlStatement, Expression, ParsedBlock, Word, WordKind
@@ -87,12 +88,12 @@ class _Builder(Transformer[Token, ParsedBlock]):
     def read(self, number: Expression) -> Expression:
         return expressions.read(number.source, number.depth)
 
-    def exists(self, _: Token, number: Expression) -> Expression:
-        return Expression(f"(1.0 if {number.source} in p else 0.0)", depth=number.depth + 1)
+    def exists(self, name: Token, number: Expression) -> Expression:
+        return expressions.exists(number, "p", _column(name))
 
-    def exists_function(self, _: Token, letter: Token, number: Expression) -> Expression:
-        known = "known_m" if letter.upper() == "M" else "known_h"
-        return Expression(f"(1.0 if round_half_up({number.source}) in {known} else 0.0)", depth=number.depth + 1)
+    def exists_function(self, name: Token, letter: Token, number: Expression) -> Expression:
+        rounded = Expression(f"round_half_up({number.source})", depth=number.depth + 1)
+        return expressions.exists(rounded, "known_m" if letter.upper() == "M" else "known_h", _column(name))
 
     # -- words
 
@@ -211,13 +212,18 @@ class BlockParser:
         if len(text) > MAX_BLOCK:
             raise LineError(catalogue.BLOCK_TOO_LONG, MAX_BLOCK + 1, limit=MAX_BLOCK)
         blanked = blank_comments(text)
+        parsed = numeric_block(blanked, self._addresses) or self.by_grammar(blanked)
+        if parsed.words:
+            check_words(parsed.words, self._addresses)
+        return parsed
+
+    def by_grammar(self, blanked: str) -> ParsedBlock:
+        """The block by the grammar alone, without the rules between its words."""
         try:
             parsed = self._lark.parse(blanked)
         except UnexpectedInput as error:
             raise explain(blanked, error, self._addresses) from None
         assert isinstance(parsed, ParsedBlock)
-        if parsed.words:
-            check_words(parsed.words, self._addresses)
         return parsed
 
 

@@ -42,14 +42,14 @@ class GFunction:
 
 G_FUNCTIONS: dict[int, GFunction] = {}
 
-# Numbers that the dialect knows, as ranges from–to; those not registered are refused as "not supported yet" instead of
-# "unknown".
+# Numbers that the dialect knows, as ranges from–to; those not registered are refused as "not supported yet"
+# instead of "unknown".
 # fmt: off
 _KNOWN_RANGES = (
-    (0, 5), (8, 13), (17, 23), (25, 26), (33, 33), (40, 42), (51, 61), (63, 63), (66, 66), (68, 71), (74, 74), (80, 102),
-    (106, 108), (112, 112), (115, 117), (127, 141), (150, 151), (159, 167), (193, 194), (196, 196), (200, 202),
-    (230, 231), (233, 233), (236, 239), (260, 261), (293, 293), (301, 303), (310, 310), (331, 334), (338, 339),
-    (351, 351), (359, 360), (800, 839), (900, 901),
+    (0, 5), (8, 13), (17, 23), (25, 26), (33, 33), (40, 42), (51, 61), (63, 63), (66, 66), (68, 71), (74, 74),
+    (80, 102), (106, 108), (112, 112), (115, 117), (127, 141), (150, 151), (159, 167), (193, 194), (196, 196),
+    (200, 202), (230, 231), (233, 233), (236, 239), (260, 261), (293, 293), (301, 303), (310, 310), (331, 334),
+    (338, 339), (351, 351), (359, 360), (800, 839), (900, 901),
 )
 # fmt: on
 G_NUMBERS = frozenset(number for first, last in _KNOWN_RANGES for number in range(first, last + 1))

@@ -226,9 +226,9 @@ def scan_plain(
             # In an unfinished line nothing can be told yet, it may just be cut.
             return count, line, final or i < size
         if not ended:
-            if i >= size and final:
+            if i >= size and final and size - line <= MAX_BLOCK:
                 i = size - 1
-            elif i >= size:
+            elif i >= size and not final:
                 return count, line, False
             else:
                 return count, line, True  # longer than a block may be

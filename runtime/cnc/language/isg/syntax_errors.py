@@ -29,7 +29,7 @@ _CONTROLS_TO_COME = frozenset(
 _CONTROLS = frozenset(control.value[1:] for control in Control)
 _CONTROL_WORD = re.compile(r"\$[A-Za-z]+")
 _BRACKETED_CALL = re.compile(r"[Ll]{1,2}\s*(CYCLE|SEQUENCE)$")
-_LAST_ADDRESS = re.compile(r"(\$?[A-Za-z][A-Za-z0-9_]*|[^\s])\s*=?\s*$")
+_LAST_ADDRESS = re.compile(r"(\$?[A-Za-z][A-Za-z0-9_]*|[^\s])$")
 
 
 def explain(text: str, error: UnexpectedInput, addresses: Addresses) -> LineError:
@@ -95,7 +95,7 @@ def _unbalanced(text: str) -> LineError | None:
 
 
 def _before(text: str) -> str:
-    match = _LAST_ADDRESS.search(text)
+    match = _LAST_ADDRESS.search(text.rstrip(" ="))
     return match.group(1) if match else text.strip()[-1:] or "block"
 
 

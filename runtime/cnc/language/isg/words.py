@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum, IntEnum, auto
 
 
-class WordKind(Enum):
+class WordKind(IntEnum):
     """What a word does; the meaning of `Word.index` stands behind it."""
 
     AXIS = auto()  # channel axis index

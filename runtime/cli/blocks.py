@@ -1,0 +1,52 @@
+"""`tandem blocks FILE`: what the decoder makes of a program, as JSON lines."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from runtime.cnc.block_json import rows
+from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program
+from runtime.config.loader import load_machine
+from runtime.diagnostics.errors import TandemError
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="NC program.", show_default=False)],
+    config: Annotated[
+        Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
+    ] = None,
+    dialect: Annotated[str, typer.Option(help=f"Dialect of the program: {' or '.join((*DIALECTS, 'nct'))}.")] = "isg",
+) -> None:
+    """Print the blocks of a program as JSON lines. Errors go to standard error; exit code 1 if there are any."""
+    try:
+        setup = DecoderSetup.from_machine(load_machine(config))
+        program = load_program(file, setup, dialect)
+    except TandemError as error:
+        _tell(error)
+        raise typer.Exit(1) from None
+    try:
+        for block in Decoder(program, setup, start=np.zeros(len(setup.axes))).blocks():
+            for row in rows(block, setup.axes):
+                sys.stdout.write(json.dumps(row) + "\n")
+        sys.stdout.flush()
+    except ProgramError as error:
+        sys.stdout.flush()
+        _tell(error)
+        raise typer.Exit(1) from None
+    except BrokenPipeError:  # the reader has seen enough, e.g. `| head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    finally:
+        program.close()
+
+
+def _tell(error: TandemError) -> None:
+    problems = error.problems if isinstance(error, ProgramError) else (error.problem,)
+    for problem in problems:
+        typer.echo(str(problem), err=True)

@@ -1,0 +1,81 @@
+"""`tandem check FILE…`: are the programs right? They are parsed and decoded, nothing moves."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn
+
+from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program
+from runtime.config.loader import load_machine
+from runtime.diagnostics.errors import Problem, TandemError
+
+# A loop that runs so long without any output does not end by itself in a check, where no PLC changes anything.
+IDLE_LIMIT = 1_000_000
+EXECUTED_LIMIT = 5_000_000  # blocks; a longer run is not followed to its end
+_LARGE_FILE = 4_000_000  # bytes from which progress is shown
+
+
+def command(
+    files: Annotated[list[Path], typer.Argument(help="NC programs.", show_default=False)],
+    config: Annotated[
+        Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
+    ] = None,
+    dialect: Annotated[str, typer.Option(help=f"Dialect of the programs: {' or '.join((*DIALECTS, 'nct'))}.")] = "isg",
+) -> None:
+    """Parse and decode programs without motion. Errors as file:line:column: id: text; exit code 1 if there are any."""
+    try:
+        setup = DecoderSetup.from_machine(load_machine(config))
+    except TandemError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(1) from None
+    failed = False
+    for file in files:
+        problems, warnings = check(file, setup, dialect)
+        for problem in (*problems, *warnings):
+            typer.echo(str(problem))
+        failed |= bool(problems)
+    raise typer.Exit(int(failed))
+
+
+def check(file: Path, setup: DecoderSetup, dialect: str = "isg") -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
+    """Errors and warnings of a program that starts with all axes at 0."""
+    decoder: Decoder | None = None
+    try:
+        with _progress(file) as progress:
+            program = load_program(file, setup, dialect, progress)
+        try:
+            decoder = Decoder(program, setup, start=np.zeros(len(setup.axes)), idle_limit=IDLE_LIMIT)
+            for _ in decoder.blocks():
+                if decoder.executed > EXECUTED_LIMIT:
+                    typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
+                    break
+        finally:
+            program.close()
+    except ProgramError as error:
+        return error.problems, tuple(decoder.warnings) if decoder else ()
+    return (), tuple(decoder.warnings)
+
+
+@contextmanager
+def _progress(file: Path) -> Iterator[Callable[[int, int], None] | None]:
+    """A progress bar for large files, if somebody is looking."""
+    try:
+        size = file.stat().st_size
+    except OSError:
+        size = 0
+    if size < _LARGE_FILE or not sys.stderr.isatty():
+        yield None
+        return
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(), DownloadColumn(), console=Console(stderr=True), transient=True
+    ) as bar:
+        task = bar.add_task(file.name, total=size)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
