@@ -25,12 +25,19 @@ def command(
     config: Annotated[Path | None, typer.Option("-c", "--config", help="machine description (YAML)")] = None,
     dialect: Annotated[str, typer.Option(help="isg or nct")] = "isg",
     name: Annotated[str, typer.Option(help="name of the HLI in shared memory")] = "tandem",
-    program: Annotated[Path | None, typer.Option(help="start this program as soon as the machine is ready, end with it")] = None,
+    program: Annotated[
+        Path | None, typer.Option(help="start this program as soon as the machine is ready, end with it")
+    ] = None,
     demo: Annotated[bool, typer.Option("--demo", help="mill the built-in program on the demo machine")] = False,
     simulated_drives: Annotated[
-        bool, typer.Option("--simulated-drives", help="start simulated drives on the machine's bus (the demo machine always)")
+        bool,
+        typer.Option(
+            "--simulated-drives", help="start simulated drives on the machine's bus (the demo machine always)"
+        ),
     ] = False,
-    plot: Annotated[Path | None, typer.Option(help="at the end, draw the path that the axes took into this PNG file")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="at the end, draw the path that the axes took into this PNG file")
+    ] = None,
 ) -> None:
     """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
     from runtime.config import load_machine

@@ -13,7 +13,9 @@ def command(
     file: Annotated[Path, typer.Argument(help="NC program")],
     config: Annotated[Path | None, typer.Option("-c", "--config", help="machine description (YAML)")] = None,
     dialect: Annotated[str, typer.Option(help="isg or nct")] = "isg",
-    trace: Annotated[Path | None, typer.Option(help="write blocks, events, samples and summary into this folder")] = None,
+    trace: Annotated[
+        Path | None, typer.Option(help="write blocks, events, samples and summary into this folder")
+    ] = None,
     plot: Annotated[Path | None, typer.Option(help="draw the path into this PNG file")] = None,
     ideal_axes: Annotated[bool, typer.Option("--ideal-axes", help="without drives in the loop: faster")] = False,
     no_plc: Annotated[bool, typer.Option("--no-plc", help="every function is acknowledged at once")] = False,

@@ -16,7 +16,6 @@ Units: mm or degrees, per second; angles of arcs in radians.
 
 from __future__ import annotations
 
-import contextlib
 from enum import IntEnum
 from multiprocessing import shared_memory
 from typing import Any

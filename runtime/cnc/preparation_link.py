@@ -74,6 +74,7 @@ class PreparationLink:
             buffer: bytearray | memoryview = bytearray(_RECORD.itemsize)
         else:
             self._memory = open_shared(name, _RECORD.itemsize if create else None)
+            assert self._memory.buf is not None
             buffer = self._memory.buf
         self._record = np.frombuffer(buffer, dtype=_RECORD, count=1)[0:1]
 

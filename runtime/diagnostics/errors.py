@@ -92,7 +92,7 @@ class Problem:
 class TandemError(Exception):
     """Base of the exceptions that carry a problem; each stage raises its own subclass."""
 
-    def __init__(self, entry: ErrorEntry, place: Place = Place(), **values: object) -> None:  # noqa: B008 - frozen
+    def __init__(self, entry: ErrorEntry, place: Place = Place(), **values: object) -> None:
         self.problem = Problem(entry, values, place)
         self.problems: tuple[Problem, ...] = (self.problem,)  # all of them, where a stage reports more than one
         super().__init__(str(self.problem))

@@ -87,6 +87,7 @@ class EventRing:
             buffer: memoryview | bytearray = bytearray(size)
         else:
             self._memory = open_shared(name, size if create else None)
+            assert self._memory.buf is not None
             buffer = self._memory.buf
         self._counters = np.frombuffer(buffer, dtype=np.uint64, count=8)  # written, read, lost
         self._records = np.frombuffer(buffer, dtype=RECORD, count=CAPACITY, offset=64)

@@ -273,9 +273,9 @@ class Controller:
 
     def _at_rest(self) -> bool:
         actual = self.drives.image.actual_velocity
-        return not self.channel.active and all(spindle.standing(actual[spindle.index]) for spindle in self.channel.spindles)
+        return not self.channel.active and all(
+            spindle.standing(actual[spindle.index]) for spindle in self.channel.spindles
+        )
 
     def _event(self, kind: EventKind, number: int = 0, value: float = 0.0, axis: int = -1) -> None:
-        self.events.put(
-            Event(t=self.time, cycle=self.cycle_number, kind=kind, number=number, value=value, axis=axis)
-        )
+        self.events.put(Event(t=self.time, cycle=self.cycle_number, kind=kind, number=number, value=value, axis=axis))

@@ -30,9 +30,9 @@ from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
 from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.clock import RealTimeClock
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_link import PlcProcess
-from runtime.scheduler.clock import RealTimeClock
 from runtime.scheduler.realtime import prepare_realtime
 from runtime.scheduler.retained import RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics

@@ -19,9 +19,7 @@ class Orders:
     def __init__(self, machine: Machine, hli: Hli) -> None:
         described = machine.channels[0]
         self._hli = hli
-        self._channel_commands = ChannelCommands(
-            hli.channels[0], hli.operator[0], described.parameters.max_vb_override
-        )
+        self._channel_commands = ChannelCommands(hli.channels[0], hli.operator[0], described.parameters.max_vb_override)
         self._axis_commands = [AxisCommands(hli.axes[i]) for i in range(len(machine.axes))]
         self._path_commands = [self._axis_commands[machine.axis_index(name)] for name in described.axes]
         self._unit = hli.channels[0].control.mode_and_state

@@ -43,5 +43,3 @@ class InlinePlc:
     def restart(self) -> None:
         self._host = None
         self._failed = False
-
-

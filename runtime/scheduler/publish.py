@@ -31,7 +31,14 @@ class Publisher:
     """Fills the status areas; built once, so that the cycle only copies numbers."""
 
     def __init__(
-        self, machine: Machine, hli: Hli, image: DriveImage, supervision: AxisSupervision, channel: Channel, *, real: bool
+        self,
+        machine: Machine,
+        hli: Hli,
+        image: DriveImage,
+        supervision: AxisSupervision,
+        channel: Channel,
+        *,
+        real: bool,
     ) -> None:
         self._hli = hli
         self._image = image

@@ -131,7 +131,9 @@ class Session:
 
     def _sample(self, hli: Hli) -> None:
         channel = hli.channels[0]
-        axes = [hli.axes[channel.axis_index_r[k]].status.actual_position_r * LENGTH for k in range(channel.axis_count_r)]
+        axes = [
+            hli.axes[channel.axis_index_r[k]].status.actual_position_r * LENGTH for k in range(channel.axis_count_r)
+        ]
         self._points.append((hli.head.time_ns_r * 1e-9, *axes, channel.status.active_feed_r * SPEED))
 
     def _on_event(self, event: Event) -> None:

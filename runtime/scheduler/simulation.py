@@ -240,8 +240,7 @@ class Simulation:
                 break
             if progress and count % 1000 == 0:
                 progress(self.time - begin, channel.interpolator.line)
-        result = self._result(self.time - begin, extra)
-        return result
+        return self._result(self.time - begin, extra)
 
     def _simulated_operator(self) -> None:
         """Presses continue where the program waits for it (M00, single block)."""
@@ -295,9 +294,7 @@ class PlantOnImage:
     def step(self) -> None:
         """One cycle of the plant."""
         image = self._image
-        outputs = {
-            name: bool(image.digital_out[bit // 8] >> (bit % 8) & 1) for name, bit in self._outputs.items()
-        }
+        outputs = {name: bool(image.digital_out[bit // 8] >> (bit % 8) & 1) for name, bit in self._outputs.items()}
         inputs = self._plant.step(self._now(), outputs)
         for name, bit in self._inputs.items():
             mask = 1 << bit % 8

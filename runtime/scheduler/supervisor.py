@@ -261,9 +261,7 @@ class Supervisor:
         if self.memory is None:
             return
         hli = self.memory.hli
-        positions = {
-            axis.name: hli.axes[i].status.actual_position_r * 1e-4 for i, axis in enumerate(self.machine.axes)
-        }
+        positions = {axis.name: hli.axes[i].status.actual_position_r * 1e-4 for i, axis in enumerate(self.machine.axes)}
         offsets = {channel.name: dict(channel.zero_offsets) for channel in self.machine.channels}
         try:
             self._store.save(Retained(positions, offsets, history(hli)))
@@ -295,4 +293,3 @@ class Supervisor:
         os.close(self._wake)
         code = self.cycle.process.returncode if self.cycle.process else 1
         return 1 if self._failed or code else 0
-

@@ -9,10 +9,10 @@ def test_an_order_crosses_shared_memory_and_is_answered() -> None:
     cycle = PreparationLink(3, "tandem-test-link")
     preparation = PreparationLink(3, "tandem-test-link", create=False)
     try:
-        assert preparation.waiting_order is Order.NONE
+        assert int(preparation.waiting_order) == Order.NONE
         cycle.start(StartOrder("/nc/ß.nc", np.array([1.0, 2.0, 3.0]), 0x3FF))
         assert not cycle.answered
-        assert preparation.waiting_order is Order.START
+        assert int(preparation.waiting_order) == Order.START
         order = preparation.read_start()
         assert (order.program, order.skip_levels) == ("/nc/ß.nc", 0x3FF)
         assert order.start.tolist() == [1.0, 2.0, 3.0]

@@ -43,7 +43,7 @@ def refused(config: Bus, entry: ErrorEntry) -> str:
 
 
 def test_virtual() -> None:
-    with open_bus(Bus(interface="virtual", channel="test-open")) as bus:  # type: ignore[call-arg]
+    with open_bus(Bus(interface="virtual", channel="test-open")) as bus:
         assert isinstance(bus, can.BusABC)
 
 
@@ -69,7 +69,7 @@ def test_multicast_ignores_what_is_no_frame(multicast: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("channel", ["192.168.1.1", "can0", ""])
 def test_a_channel_that_is_no_multicast_address(channel: str) -> None:
-    config = Bus(interface="udp_multicast", channel=channel)  # type: ignore[call-arg]
+    config = Bus(interface="udp_multicast", channel=channel)
     assert "address" in refused(config, catalogue.BUS_NO_MULTICAST)
 
 
@@ -107,7 +107,7 @@ def kernel(monkeypatch: pytest.MonkeyPatch) -> Answers:
 
 
 def test_socketcan_by_configuration_only(kernel: Answers) -> None:
-    config = Bus(interface="socketcan", channel="can7", options={"local_loopback": False})  # type: ignore[call-arg]
+    config = Bus(interface="socketcan", channel="can7", options={"local_loopback": False})
     assert str(open_bus(config)) == "the bus"
     assert kernel.opened == {"channel": "can7", "local_loopback": False, "fd": False}
 
@@ -128,19 +128,19 @@ def test_socketcan_by_configuration_only(kernel: Answers) -> None:
 )
 def test_what_the_kernel_says_is_told_in_the_users_terms(kernel: Answers, error: Exception, entry: ErrorEntry) -> None:
     kernel.error = error
-    refused(Bus(interface="socketcan", channel="can0"), entry)  # type: ignore[call-arg]
+    refused(Bus(interface="socketcan", channel="can0"), entry)
 
 
 def test_an_interface_that_is_down(kernel: Answers) -> None:
     kernel.flags = 0
-    text = refused(Bus(interface="socketcan", channel="can0"), catalogue.BUS_DOWN)  # type: ignore[call-arg]
+    text = refused(Bus(interface="socketcan", channel="can0"), catalogue.BUS_DOWN)
     assert "can0" in text
 
 
 def test_socketcan_here_gives_a_bus_or_a_clear_error() -> None:
     """On this very host: an interface of this name does not exist, or there is no CAN in the kernel at all."""
     with pytest.raises(FieldbusError) as error:
-        open_bus(Bus(interface="socketcan", channel="tandemtest0"))  # type: ignore[call-arg]
+        open_bus(Bus(interface="socketcan", channel="tandemtest0"))
     assert error.value.problem.entry in (catalogue.BUS_MISSING, catalogue.BUS_UNSUPPORTED, catalogue.BUS_PERMISSION)
 
 
@@ -152,5 +152,5 @@ def test_a_route_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(MulticastBus, "shutdown", lambda self: None)
     monkeypatch.setattr(MulticastBus, "send", unreachable)
     monkeypatch.setattr(MulticastBus, "__del__", lambda self: None)
-    config = Bus(interface="udp_multicast", channel="239.1.2.3")  # type: ignore[call-arg]
+    config = Bus(interface="udp_multicast", channel="239.1.2.3")
     assert "239.1.2.3" in refused(config, catalogue.BUS_NO_MULTICAST)

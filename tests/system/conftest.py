@@ -100,7 +100,9 @@ class RunningMachine:
     def order(self, program: Path) -> None:
         hli = self.memory.hli
         self.wait_for(
-            lambda: hli.platform.plc_running_r and all(hli.axes[i].status.ready_for_control_loop_on_r for i in range(4)),
+            lambda: (
+                hli.platform.plc_running_r and all(hli.axes[i].status.ready_for_control_loop_on_r for i in range(4))
+            ),
             "drives and PLC ready",
         )
         order = hli.operator[0].order_w

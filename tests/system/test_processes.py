@@ -31,7 +31,9 @@ def at_rest(machine: RunningMachine) -> bool:
 
 def test_a_program_runs_from_start_to_end_and_leaves_its_positions(machine: RunningMachine, tmp_path: Path) -> None:
     program = tmp_path / "short.nc"
-    program.write_text("%SHORT\nG90 G54\nM20\nT1 M6\nS3000 M3\nG00 X10 Y5 Z20\nG01 Z10 F2000\nX30 M8\nM9 M5\nM21\nM30\n")
+    program.write_text(
+        "%SHORT\nG90 G54\nM20\nT1 M6\nS3000 M3\nG00 X10 Y5 Z20\nG01 Z10 F2000\nX30 M8\nM9 M5\nM21\nM30\n"
+    )
     machine.start("--program", str(program), "--plot", str(tmp_path / "path.png"))
     metrics = machine.scrape()
     assert "tandem_cycle_work_seconds_bucket" in metrics
@@ -54,9 +56,7 @@ def test_sigterm_brings_the_axes_to_rest_and_ends_with_0(machine: RunningMachine
 
 
 @pytest.mark.parametrize("victim", ["PLC", "preparation", "drives"])
-def test_a_killed_process_stops_the_axes_and_is_named(
-    machine: RunningMachine, long_program: Path, victim: str
-) -> None:
+def test_a_killed_process_stops_the_axes_and_is_named(machine: RunningMachine, long_program: Path, victim: str) -> None:
     machine.start()
     machine.order(long_program)
     machine.wait_for(lambda: moving(machine), "motion")
@@ -109,7 +109,9 @@ def test_a_hanging_plc_stops_the_path_and_a_reset_starts_it_again(machine: Runni
     assert machine.stop() == 0
 
 
-def test_a_plc_program_that_raises_leaves_its_traceback(machine: RunningMachine, long_program: Path, tmp_path: Path) -> None:
+def test_a_plc_program_that_raises_leaves_its_traceback(
+    machine: RunningMachine, long_program: Path, tmp_path: Path
+) -> None:
     program = tmp_path / "bad_plc.py"
     program.write_text(
         "from runtime.plc_logic import Program\n\n\nclass Bad(Program):\n"

@@ -103,7 +103,8 @@ class AxisSupervision:
     @property
     def enabled(self) -> Flags:
         """(n,) drives that take set-points."""
-        return self.image.state == DriveState.OPERATION_ENABLED
+        states: Flags = self.image.state == DriveState.OPERATION_ENABLED
+        return states
 
     @property
     def in_position(self) -> Flags:

@@ -37,6 +37,9 @@ AXES_NOT_READY = ErrorEntry(
     "the program does not start: axis {axis} is not enabled",
     remedy="switch the drives on, or reset the channel after a fault",
 )
+CHANNEL_IN_ERROR = ErrorEntry(
+    306014, "the program does not start: the channel is in error", remedy="reset the channel first"
+)
 PREPARATION_SILENT = ErrorEntry(
     306015,
     "the preparation process does not answer",
@@ -61,6 +64,9 @@ NOT_READY = ErrorEntry(
     306012,
     "the program does not start: axis {axis} is not enabled",
     remedy="switch the drives on, or reset the channel after a fault",
+)
+CHANNEL_IN_ERROR = ErrorEntry(
+    306014, "the program does not start: the channel is in error", remedy="reset the channel first"
 )
 PREPARATION_SILENT = ErrorEntry(
     306015,

@@ -5,17 +5,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.cnc.axes.spindle import Spindle, SpindleMode
-from runtime.config.machine import Axis
+from runtime.config import load_machine
 
 PERIOD = 0.001
 
 
 def make_spindle() -> Spindle:
-    axis = Axis(
-        name="S", type="spindle", log_axis=6, velocity="24000 rev/min", acceleration="24000 rev/min/s",
-        jerk="240000 rev/min/s^2",
-    )  # fmt: skip
-    return Spindle(axis, 3, PERIOD)
+    return Spindle(load_machine(None).axes[3], 3, PERIOD)
 
 
 def run(spindle: Spindle, seconds: float, override: float = 1.0) -> list[float]:
