@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ruckig import ControlInterface, InputParameter, Ruckig, Trajectory
 
 from runtime.cnc.axes.spindle import Spindle, SpindleMode
 from runtime.config import load_machine
@@ -66,11 +67,32 @@ def test_a_drive_that_takes_no_set_points_has_none() -> None:
         st.tuples(st.sampled_from([3, 4, 5, 0]), st.floats(0, 30000), st.floats(0, 2), st.floats(0.01, 0.4)), max_size=6
     )
 )
-def test_acceleration_stays_within_its_limit(orders: list[tuple[int, float, float, float]]) -> None:
+def test_acceleration_and_jerk_stay_within_their_limits_and_it_always_comes_to_rest(orders: list[tuple[int, float, float, float]]) -> None:
     spindle = make_spindle()
-    before = 0.0
+    before = acceleration = 0.0
     for number, speed, override, seconds in orders:
         spindle.command(number, speed)
         for value in run(spindle, seconds, override):
-            assert abs(value - before) <= spindle.axis.acceleration * PERIOD * 1.001
-            before = value
+            now = (value - before) / PERIOD
+            assert abs(now) <= spindle.axis.acceleration * 1.0001
+            assert abs(now - acceleration) <= spindle.axis.jerk * PERIOD * 1.001
+            before, acceleration = value, now
+    spindle.command(5, 0.0)
+    assert run(spindle, 3.0)[-1] == 0.0
+
+
+@pytest.mark.parametrize("speed", [10.0, 300.0, 6000.0, 24000.0])
+def test_the_ramp_takes_no_longer_than_the_time_optimal_one_and_some_cycles(speed: float) -> None:
+    spindle = make_spindle()
+    optimal = InputParameter(1)
+    optimal.control_interface = ControlInterface.Velocity
+    optimal.max_acceleration, optimal.max_jerk = [spindle.axis.acceleration], [spindle.axis.jerk]
+    optimal.target_velocity = [speed * 6.0]
+    trajectory = Trajectory(1)
+    Ruckig(1).calculate(optimal, trajectory)
+    spindle.command(3, speed)
+    cycles = 0
+    while spindle.set_point != speed * 6.0:
+        spindle.step(1.0, running=True)
+        cycles += 1
+    assert trajectory.duration <= cycles * PERIOD <= trajectory.duration + 8 * PERIOD
