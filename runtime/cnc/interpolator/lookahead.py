@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.profile import NOW, REDUCE, SPEED, STOP, brake_distance, slack
+from runtime.cnc.interpolator.profile import NOW, REDUCE, SLOWER, SPEED, STOP, brake_distance, can_release, slack
 from runtime.cnc.motion_queue import Records
 from runtime.kernels import kernel
 
@@ -75,7 +75,6 @@ def look_ahead(
     fastest, hard_fastest = np.inf, np.inf  # what constraints so far allow
     need = 0.0
     top = 0.0
-    travel = 0.0
     old_horizon = places[0]
     at_old = -1
     A_old, J_old, way_old = 0.0, 0.0, 0.0
@@ -103,15 +102,14 @@ def look_ahead(
                 a_top = max(a, 0.0) + J_least * period
                 v_top = v + a_top * period
                 top = v_top + a_top * a_top / (2.0 * J_least)
-                travel = v_top * period
                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                 way = r.length - s_in
             else:
                 if wanted < fastest:
                     fastest = wanted
                     if wanted < top and not hold:
-                        kind[count], d[count], x[count], index[count] = SPEED, way, wanted, e
-                        A[count], J[count] = A_least, J_least
+                        kind[count], d[count], x[count], index[count] = SLOWER, way, wanted, e
+                        A[count], J[count] = A_least, min(J_least, r.j_limit)
                         count += 1
                 hard = min(r.v_entry, r.v_limit)
                 if hard < hard_fastest:
@@ -119,6 +117,8 @@ def look_ahead(
                     if hard < top:
                         kind[count], d[count], x[count], index[count] = SPEED, way, hard, e
                         A[count], J[count] = A_least, J_least
+                        if r.v_limit <= r.v_entry:  # holds from there on, where the jerk is that of the element
+                            kind[count], J[count] = SLOWER, min(J_least, r.j_limit)
                         count += 1
                 if r.a_limit < A_least or r.j_limit < J_least:
                     J_before = J_least
@@ -126,8 +126,7 @@ def look_ahead(
                     kind[count], d[count], x[count], index[count] = REDUCE, way, A_least, e
                     A[count], J[count] = J_least, J_before
                     count += 1
-                    if way <= travel:
-                        up[1] = min(up[1], J_least)
+                    top = v_top + a_top * a_top / (2.0 * J_least)
                     need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                 way += r.length
         gate = what == GATE and e > opened
@@ -137,6 +136,7 @@ def look_ahead(
             gate = gate or e == places[1]
         if gate:
             stopped = True
+            e += 1
             break
         e += 1
         if moving and way > need:
@@ -151,7 +151,10 @@ def look_ahead(
         count += 1
     if at_old > 0:
         for i in range(at_old, count):
-            if kind[i] != REDUCE and slack(kind[i], d[i], x[i], A[i], J[i], v, a, period) < -1e-8:
+            safe = slack(kind[i], d[i], x[i], A[i], J[i], v, a, period) >= -1e-8
+            if kind[i] == REDUCE and a < 0.0:
+                safe = safe and can_release(d[i], x[i], A[i], J[i], v, a)
+            if not safe:
                 count = at_old
                 kind[count], d[count], x[count], index[count] = STOP, way_old, 0.0, old_horizon
                 A[count], J[count] = A_old, J_old
@@ -163,7 +166,7 @@ def look_ahead(
     # Braking for its own sake (feed hold, lower override) may cross borders: with the least of what it crosses.
     for i in range(1, count):
         if kind[i] == REDUCE:
-            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]) + travel:
+            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]):
                 break
             A[0], J[0] = min(A[0], x[i]), min(J[0], A[i])
     return count

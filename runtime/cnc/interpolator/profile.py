@@ -4,7 +4,7 @@ State on the path: s (mm from where the cycle began), v, a. Ahead lie constraint
 
       v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
         │ ─────╮
-        │       ╲    SPEED: at d the path velocity must not exceed x (corner, slower element, feed of the next block)
+        │       ╲    SPEED: at d the path velocity must not exceed x (corner); SLOWER: from d on (feed of the next block)
         │        ╲___o
         │             ╲   STOP: at d the path stands (closed gate, end of what is known)
         └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 # kinds of constraints
-NOW, SPEED, STOP, REDUCE = 0, 1, 2, 3
+NOW, SPEED, STOP, REDUCE, SLOWER = 0, 1, 2, 3, 4
 
 TOLERANCE = 1e-9  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
@@ -127,9 +127,36 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, v: float, a: flo
                 return 0.0, t
     if a < 0.0:
         return J, -a / J
-    if kind == SPEED and v > 1e-9:
+    if (kind == SPEED or kind == SLOWER) and v > 1e-9:
         return 0.0, (max(d, 0.0) + TOLERANCE) / v  # over the place, then it is behind
     return 0.0, NEVER
+
+
+@kernel
+def can_release(d: float, A: float, J: float, J_before: float, v: float, a: float) -> bool:
+    """Whether a braking (a < 0) can be taken back over a border at d: there at most A is left, and J ends it above v = 0."""
+    t = -a / J_before
+    if v * t - J_before * t * t * t / 3.0 <= d:
+        return True
+    t = time_to(d, v, a, J_before, t)
+    v += a * t + J_before * t * t / 2.0
+    a += J_before * t
+    return -a <= A and a * a <= 2.0 * J * v
+
+
+@kernel
+def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
+    """Time at which `way` has just been covered; at `most` it has."""
+    low, high = 0.0, most
+    for _ in range(60):
+        t = (low + high) / 2.0
+        if v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 < way:
+            low = t
+        else:
+            high = t
+        if high - low < 1e-14:
+            break
+    return high
 
 
 @kernel
@@ -184,7 +211,12 @@ def drive(
     s = 0.0
     left = T
     braked = -1
+    border = 1  # the next REDUCE: pieces end there, since the jerk may be less behind it
     for _ in range(STEPS):
+        while border < count and (kind[border] != REDUCE or d[border] - s <= TOLERANCE):
+            if kind[border] == REDUCE:
+                A_up, J_up = min(A_up, x[border]), min(J_up, A[border])
+            border += 1
         jerk, t = NEVER, NEVER
         for i in range(count):
             if state[i] == 0:
@@ -193,8 +225,12 @@ def drive(
             if v == 0.0 and a == 0.0 and kind[i] != NOW and kind[i] != REDUCE and 0.0 < way < ARRIVED:
                 s = d[i]  # standing before a full stop by a rounding error
                 way = 0.0
-            if way <= 0.0 and (kind[i] == SPEED or kind[i] == REDUCE) and i > 0 and (v <= x[i] or way < -TOLERANCE):
+            # Behind; a full stop in a corner only once the path has stood, whatever 1e-9 mm say.
+            done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE
+            if way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
                 state[i] = 0  # behind
+                if kind[i] == SLOWER:
+                    x[0] = min(x[0], x[i])
                 continue
             if slack(kind[i], way, x[i], A[i], J[i], v, a, T) > TOLERANCE:
                 state[i] = 1
@@ -214,7 +250,13 @@ def drive(
                 jerk, t = 0.0, NEVER
         elif jerk >= 0.0 and a > A_up * 1.000001:
             jerk, t = -J_up, (a - A_up) / J_up
+        if a < 0.0 and jerk > 0.0 and v > 0.0 and 2.0 * v * jerk < a * a:
+            # Braked with more jerk than is left here to take the braking back: a border came between. Not backwards.
+            jerk = a * a / (2.0 * v)
+            t = -a / jerk
         t = min(t, left)
+        if border < count and s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 > d[border]:
+            t = time_to(d[border] - s, v, a, jerk, t)
         v_t = v + a * t + jerk * t * t / 2.0
         s_t = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
         if not is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * t, T):

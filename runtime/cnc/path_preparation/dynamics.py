@@ -179,16 +179,14 @@ def arc_dynamics(
     curve = np.zeros(limits.n)
     kappa = in_plane**2 / radius
     curve[first], curve[second] = kappa * cosine, kappa * sine
-    third = np.zeros(limits.n)
-    rate = in_plane**3 / radius**2
-    third[first], third[second] = rate * sine, rate * cosine
+    rate = in_plane**3 / radius**2  # q''', along the direction
 
     moving = share > 0.0
     A = float(limits.acceleration[moving].min())
     J = float(limits.jerk[moving].min())
     v_axes = float(_least(limits.velocity, share))
     part = min(max(kappa * min(feed, v_axes) ** 2 / A, CURVATURE_SHARE), GREATEST_CURVATURE_SHARE)
-    v_limit = min(v_axes, math.sqrt(part * A / kappa), float(_least(0.4 * limits.jerk, third)) ** (1.0 / 3.0))
+    v_limit = min(v_axes, math.sqrt(part * A / kappa), (0.4 * J / rate) ** (1.0 / 3.0))
     fastest = min(v_limit, GREATEST_OVERRIDE * feed)
     across = kappa * fastest**2
     a_axes = float(_least_left(limits.acceleration, curve * fastest**2, share))
