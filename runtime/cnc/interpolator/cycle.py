@@ -141,19 +141,19 @@ def cycle(
     v_before = f[V]
     braked_by_end = False
     count = 0
-    d, x, A_k, J_k, up, result = real[0], real[1], real[2], real[3], real[4], real[5]
+    d, x, A_k, J_k, B_k, up, result = real[0], real[1], real[2], real[3], real[4], real[5], real[6]
     kind, index, state, places = whole[0], whole[1], whole[2], whole[3]
     if i[APART] == 0:
         places[0], places[1], places[2] = i[HORIZON], i[SINGLE_GATE], -1
         count = look_ahead(
             records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1, i[OPENED], single_block,
-            places, kind, d, x, A_k, J_k, index, up,
+            places, kind, d, x, A_k, J_k, B_k, index, up,
         )  # fmt: skip
         if count > 0:
             i[HORIZON], i[SINGLE_GATE] = places[0], places[1]
     if count > 0:
         result[3] = 0.0
-        braked = drive(period, f[V], f[A], up[0], up[1], count, kind, d, x, A_k, J_k, state, result)
+        braked = drive(period, f[V], f[A], up[0], up[1], count, kind, d, x, A_k, J_k, B_k, state, result)
         f[OVERFLOWS] += result[3]
         i[BRAKED] = braked
         braked_by_end = braked >= 0 and braked == places[2]
@@ -188,7 +188,7 @@ def cycle(
 
 def scratch() -> tuple[Floats, Ints]:
     """Memory for the constraints of a cycle."""
-    return np.zeros((6, CONSTRAINTS)), np.zeros((4, CONSTRAINTS), dtype=np.int64)
+    return np.zeros((7, CONSTRAINTS)), np.zeros((4, CONSTRAINTS), dtype=np.int64)
 
 
 @warms("interpolator")

@@ -60,6 +60,7 @@ def look_ahead(
     x: Floats,
     A: Floats,
     J: Floats,
+    B: Floats,
     index: Ints,
     up: Floats,
 ) -> int:
@@ -72,9 +73,9 @@ def look_ahead(
     count = 0
     way = 0.0
     A_least, J_least = np.inf, np.inf
-    fastest, hard_fastest = np.inf, np.inf  # what constraints so far allow
+    fastest, slowest_corner = np.inf, np.inf  # what constraints so far allow
     need = 0.0
-    top = 0.0
+    top, v_top, a_top = 0.0, 0.0, 0.0
     old_horizon = places[0]
     at_old = -1
     A_old, J_old, way_old = 0.0, 0.0, 0.0
@@ -96,7 +97,8 @@ def look_ahead(
                 kind[0], d[0], x[0], index[0] = NOW, 0.0, wanted, e
                 A[0], J[0] = r.a_limit, r.j_limit
                 count = 1
-                fastest = wanted
+                fastest = r.v_limit if hold else wanted
+                B[0] = r.j_limit
                 up[0], up[1] = r.a_limit, r.j_limit
                 A_least, J_least = r.a_limit, r.j_limit
                 a_top = max(a, 0.0) + J_least * period
@@ -105,20 +107,19 @@ def look_ahead(
                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                 way = r.length - s_in
             else:
-                if wanted < fastest:
-                    fastest = wanted
-                    if wanted < top and not hold:
-                        kind[count], d[count], x[count], index[count] = SLOWER, way, wanted, e
-                        A[count], J[count] = A_least, min(J_least, r.j_limit)
+                lasting = r.v_limit if hold else wanted
+                J_then = min(J_least, r.j_limit)
+                if lasting < fastest or J_then < J_least:
+                    fastest = min(fastest, lasting)
+                    if fastest < v_top + a_top * a_top / (2.0 * J_then):
+                        kind[count], d[count], x[count], index[count] = SLOWER, way, fastest, e
+                        A[count], J[count], B[count] = A_least, J_least, J_then
                         count += 1
-                hard = min(r.v_entry, r.v_limit)
-                if hard < hard_fastest:
-                    hard_fastest = hard
-                    if hard < top:
-                        kind[count], d[count], x[count], index[count] = SPEED, way, hard, e
+                if r.v_entry < slowest_corner:
+                    slowest_corner = r.v_entry
+                    if r.v_entry < top:
+                        kind[count], d[count], x[count], index[count] = SPEED, way, r.v_entry, e
                         A[count], J[count] = A_least, J_least
-                        if r.v_limit <= r.v_entry:  # holds from there on, where the jerk is that of the element
-                            kind[count], J[count] = SLOWER, min(J_least, r.j_limit)
                         count += 1
                 if r.a_limit < A_least or r.j_limit < J_least:
                     J_before = J_least
@@ -151,7 +152,7 @@ def look_ahead(
         count += 1
     if at_old > 0:
         for i in range(at_old, count):
-            safe = slack(kind[i], d[i], x[i], A[i], J[i], v, a, period) >= -1e-8
+            safe = slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) >= -1e-8
             if kind[i] == REDUCE and a < 0.0:
                 safe = safe and can_release(d[i], x[i], A[i], J[i], v, a)
             if not safe:

@@ -39,7 +39,7 @@ Ints = npt.NDArray[np.int64]
 # kinds of constraints
 NOW, SPEED, STOP, REDUCE, SLOWER = 0, 1, 2, 3, 4
 
-TOLERANCE = 1e-9  # mm of slack taken as zero
+TOLERANCE = 1e-11  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
 ARRIVED = 1e-7  # mm: standing so near to a stop is standing on it
 NEVER = 1e30
@@ -81,35 +81,69 @@ def brake_distance(v: float, a: float, target: float, A: float, J: float) -> flo
 
 
 @kernel
-def slack(kind: int, d: float, x: float, A: float, J: float, v: float, a: float, period: float) -> float:
+def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
+    """Time at which `way` has just been covered; at `most` it has."""
+    low, high = 0.0, most
+    for _ in range(60):
+        t = (low + high) / 2.0
+        if v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 < way:
+            low = t
+        else:
+            high = t
+        if high - low < 1e-14:
+            break
+    return high
+
+
+@kernel
+def can_release(d: float, A: float, J: float, J_before: float, v: float, a: float) -> bool:
+    """Whether a braking (a < 0) can be taken back over a border at d: there at most A is left, and J ends it above v = 0."""
+    t = -a / J_before
+    if v * t - J_before * t * t * t / 3.0 <= d:
+        return True
+    t = time_to(d, v, a, J_before, t)
+    v += a * t + J_before * t * t / 2.0
+    a += J_before * t
+    return -a <= A and a * a <= 2.0 * J * v
+
+
+@kernel
+def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float, a: float, period: float) -> float:
     """How far the state is from having to react to a constraint, mm; negative: it can't be met any more.
 
     Where the velocity stays below x anyway, or the acceleration below x, the slack is made of what is missing to x
-    (times the period), so that it reaches zero together with it.
+    (times the period), so that it reaches zero together with it. `B` is the jerk behind d (SLOWER) or at present (NOW).
     """
     if kind == REDUCE:
         if a <= x:
             return max(d, 0.0) + (x - a) * period * period
         return d - reduce_distance(v, a, x, J)
     if kind == NOW:
-        d = 0.0
+        top = v + a * a / (2.0 * B) if a > 0.0 else v
+        return (x - top) * period if top <= x else -brake_distance(v, a, x, A, J)
     top = v + a * a / (2.0 * J) if a > 0.0 else v
     if top <= x:
         if a > 0.0:
-            d -= reduce_distance(v, a, 0.0, J)
+            left = d - reduce_distance(v, a, 0.0, J)
+            if left < 0.0 and kind == SLOWER and B < J:  # still accelerating behind d, where the jerk is less
+                t = time_to(max(d, 0.0), v, a, -J, a / J)
+                top = v + a * t - J * t * t / 2.0 + (a - J * t) * (a - J * t) / (2.0 * B)
+            d = left
         return max(d, 0.0) + (x - top) * period
     return d - brake_distance(v, a, x, A, J)
 
 
 @kernel
-def reaction(kind: int, d: float, x: float, A: float, J: float, v: float, a: float) -> tuple[float, float]:
+def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: float, a: float) -> tuple[float, float]:
     """Jerk that a constraint without slack asks for, and for how long (s) before it asks for something else."""
     if kind == REDUCE:
         if a - x > 1e-9 * x:
             return -J, (a - x) / J
         return 0.0, (max(d, 0.0) + TOLERANCE) / v if v > 1e-9 and kind != NOW else NEVER
     if a > 0.0:
-        return -J, a / J
+        return (-B, a / B) if kind == NOW else (-J, a / J)
+    if kind == NOW and -a > A * 1.000001:  # the stop has come to reach an element with less acceleration
+        return J, (-a - A) / J
     drop = v - x
     release = a * a / (2.0 * J)
     if drop > release + 1e-9:
@@ -133,33 +167,6 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, v: float, a: flo
 
 
 @kernel
-def can_release(d: float, A: float, J: float, J_before: float, v: float, a: float) -> bool:
-    """Whether a braking (a < 0) can be taken back over a border at d: there at most A is left, and J ends it above v = 0."""
-    t = -a / J_before
-    if v * t - J_before * t * t * t / 3.0 <= d:
-        return True
-    t = time_to(d, v, a, J_before, t)
-    v += a * t + J_before * t * t / 2.0
-    a += J_before * t
-    return -a <= A and a * a <= 2.0 * J * v
-
-
-@kernel
-def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
-    """Time at which `way` has just been covered; at `most` it has."""
-    low, high = 0.0, most
-    for _ in range(60):
-        t = (low + high) / 2.0
-        if v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 < way:
-            low = t
-        else:
-            high = t
-        if high - low < 1e-14:
-            break
-    return high
-
-
-@kernel
 def is_safe(
     count: int,
     kind: Ints,
@@ -167,6 +174,7 @@ def is_safe(
     x: Floats,
     A: Floats,
     J: Floats,
+    B: Floats,
     state: Ints,
     s: float,
     v: float,
@@ -175,7 +183,7 @@ def is_safe(
 ) -> bool:
     """Whether no constraint with state 1 (watched) is violated at (s, v, a)."""
     for i in range(count):
-        if state[i] == 1 and slack(kind[i], d[i] - s, x[i], A[i], J[i], v, a, T) < -TOLERANCE:
+        if state[i] == 1 and slack(kind[i], d[i] - s, x[i], A[i], J[i], B[i], v, a, T) < -TOLERANCE:
             return False
     return True
 
@@ -193,6 +201,7 @@ def drive(
     x: Floats,
     A: Floats,
     J: Floats,
+    B: Floats,
     state: Ints,
     result: Floats,
 ) -> int:
@@ -206,7 +215,7 @@ def drive(
     v_top = v + a_top * T
     s_top = v_top * T
     for i in range(count):
-        near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], v_top, a_top, T) <= TOLERANCE
+        near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
         state[i] = 1 if near else 0
     s = 0.0
     left = T
@@ -216,6 +225,7 @@ def drive(
         while border < count and (kind[border] != REDUCE or d[border] - s <= TOLERANCE):
             if kind[border] == REDUCE:
                 A_up, J_up = min(A_up, x[border]), min(J_up, A[border])
+                B[0] = J_up
             border += 1
         jerk, t = NEVER, NEVER
         for i in range(count):
@@ -232,11 +242,11 @@ def drive(
                 if kind[i] == SLOWER:
                     x[0] = min(x[0], x[i])
                 continue
-            if slack(kind[i], way, x[i], A[i], J[i], v, a, T) > TOLERANCE:
+            if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, T) > TOLERANCE:
                 state[i] = 1
                 continue
             state[i] = 2
-            jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], v, a)
+            jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], B[i], v, a)
             if jerk_i < jerk or (jerk_i == jerk and t_i < t):
                 jerk, t = jerk_i, t_i
                 braked = i
@@ -259,17 +269,17 @@ def drive(
             t = time_to(d[border] - s, v, a, jerk, t)
         v_t = v + a * t + jerk * t * t / 2.0
         s_t = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
-        if not is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * t, T):
+        if not is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * t, T):
             low, high = 0.0, t
             for _ in range(48):
                 middle = (low + high) / 2.0
                 v_t = v + a * middle + jerk * middle * middle / 2.0
                 s_t = s + v * middle + a * middle * middle / 2.0 + jerk * middle * middle * middle / 6.0
-                if is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * middle, T):
+                if is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * middle, T):
                     low = middle
                 else:
                     high = middle
-                if high - low < 1e-13:
+                if high - low < 1e-17:
                     break
             t = low
         s += v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
@@ -296,4 +306,4 @@ def drive(
 @warms("velocity profile")
 def _warm_up() -> None:
     floats, ints = np.zeros(4), np.zeros(4, dtype=np.int64)
-    drive(0.001, 0.0, 0.0, 1.0, 1.0, 0, ints, floats, floats, floats, floats, ints, floats)
+    drive(0.001, 0.0, 0.0, 1.0, 1.0, 0, ints, floats, floats, floats, floats, floats, ints, floats)
