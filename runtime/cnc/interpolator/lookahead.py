@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.profile import NOW, REDUCE, SLOWER, SPEED, STOP, brake_distance, can_release, slack
+from runtime.cnc.interpolator.profile import FEED, NOW, REDUCE, SLOWER, SPEED, STOP, brake_distance, can_release, slack
 from runtime.cnc.motion_queue import Records
 from runtime.kernels import kernel
 
@@ -73,7 +73,7 @@ def look_ahead(
     count = 0
     way = 0.0
     A_least, J_least = np.inf, np.inf
-    fastest, slowest_corner = np.inf, np.inf  # what constraints so far allow
+    fastest, least_wanted, slowest_corner = np.inf, np.inf, np.inf  # what constraints so far allow
     need = 0.0
     top, v_top, a_top = 0.0, 0.0, 0.0
     old_horizon = places[0]
@@ -97,7 +97,7 @@ def look_ahead(
                 kind[0], d[0], x[0], index[0] = NOW, 0.0, wanted, e
                 A[0], J[0] = r.a_limit, r.j_limit
                 count = 1
-                fastest = r.v_limit if hold else wanted
+                fastest, least_wanted = r.v_limit, wanted
                 B[0] = r.j_limit
                 up[0], up[1] = r.a_limit, r.j_limit
                 A_least, J_least = r.a_limit, r.j_limit
@@ -107,12 +107,19 @@ def look_ahead(
                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                 way = r.length - s_in
             else:
-                lasting = r.v_limit if hold else wanted
                 J_then = min(J_least, r.j_limit)
-                if lasting < fastest or J_then < J_least:
-                    fastest = min(fastest, lasting)
-                    if fastest < v_top + a_top * a_top / (2.0 * J_then):
+                less = J_then < J_least
+                peak = v_top + a_top * a_top / (2.0 * J_then)
+                if r.v_limit < fastest or less:
+                    fastest = min(fastest, r.v_limit)
+                    if fastest < peak:
                         kind[count], d[count], x[count], index[count] = SLOWER, way, fastest, e
+                        A[count], J[count], B[count] = A_least, J_least, J_then
+                        count += 1
+                if not hold and (wanted < least_wanted or less):
+                    least_wanted = min(least_wanted, wanted)
+                    if least_wanted < peak:
+                        kind[count], d[count], x[count], index[count] = FEED, way, least_wanted, e
                         A[count], J[count], B[count] = A_least, J_least, J_then
                         count += 1
                 if r.v_entry < slowest_corner:
@@ -152,6 +159,8 @@ def look_ahead(
         count += 1
     if at_old > 0:
         for i in range(at_old, count):
+            if kind[i] == FEED:
+                continue
             safe = slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) >= -1e-8
             if kind[i] == REDUCE and a < 0.0:
                 safe = safe and can_release(d[i], x[i], A[i], J[i], v, a)
@@ -164,6 +173,11 @@ def look_ahead(
                 e = old_horizon
                 break
     places[0] = e
+    # A feed that comes too soon (the override has just changed) is braked for at once, as far as nothing else forbids it.
+    for i in range(1, count):
+        if kind[i] == FEED and slack(FEED, d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
+            x[0] = min(x[0], x[i])
+            x[i] = np.inf
     # Braking for its own sake (feed hold, lower override) may cross borders: with the least of what it crosses.
     for i in range(1, count):
         if kind[i] == REDUCE:

@@ -4,7 +4,7 @@ State on the path: s (mm from where the cycle began), v, a. Ahead lie constraint
 
       v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
         │ ─────╮
-        │       ╲    SPEED: at d the path velocity must not exceed x (corner); SLOWER: from d on (feed of the next block)
+        │       ╲    SPEED: at d the path velocity must not exceed x (corner); SLOWER: from d on; FEED: it should not
         │        ╲___o
         │             ╲   STOP: at d the path stands (closed gate, end of what is known)
         └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 # kinds of constraints
-NOW, SPEED, STOP, REDUCE, SLOWER = 0, 1, 2, 3, 4
+NOW, SPEED, STOP, REDUCE, SLOWER, FEED = 0, 1, 2, 3, 4, 5
 
 TOLERANCE = 1e-11  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
@@ -125,7 +125,7 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
     if top <= x:
         if a > 0.0:
             left = d - reduce_distance(v, a, 0.0, J)
-            if left < 0.0 and kind == SLOWER and B < J:  # still accelerating behind d, where the jerk is less
+            if left < 0.0 and kind >= SLOWER and B < J:  # still accelerating behind d, where the jerk is less
                 t = time_to(max(d, 0.0), v, a, -J, a / J)
                 top = v + a * t - J * t * t / 2.0 + (a - J * t) * (a - J * t) / (2.0 * B)
             d = left
@@ -161,7 +161,7 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: flo
                 return 0.0, t
     if a < 0.0:
         return J, -a / J
-    if (kind == SPEED or kind == SLOWER) and v > 1e-9:
+    if (kind == SPEED or kind >= SLOWER) and v > 1e-9:
         return 0.0, (max(d, 0.0) + TOLERANCE) / v  # over the place, then it is behind
     return 0.0, NEVER
 
@@ -239,7 +239,7 @@ def drive(
             done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE
             if way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
                 state[i] = 0  # behind
-                if kind[i] == SLOWER:
+                if kind[i] >= SLOWER:
                     x[0] = min(x[0], x[i])
                 continue
             if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, T) > TOLERANCE:
