@@ -181,9 +181,9 @@ def is_safe(
     a: float,
     T: float,
 ) -> bool:
-    """Whether no constraint with state 1 (watched) is violated at (s, v, a)."""
+    """Whether no constraint with state 3 is violated at (s, v, a)."""
     for i in range(count):
-        if state[i] == 1 and slack(kind[i], d[i] - s, x[i], A[i], J[i], B[i], v, a, T) < -TOLERANCE:
+        if state[i] == 3 and slack(kind[i], d[i] - s, x[i], A[i], J[i], B[i], v, a, T) < -TOLERANCE:
             return False
     return True
 
@@ -207,12 +207,16 @@ def drive(
 ) -> int:
     """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or -1.
 
-    Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind, 1 watched, 2 binding.
+    Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind,
+    1 watched, 2 binding, 3 violated at the end of a piece.
     `result[3]` counts cycles that needed more than `STEPS` pieces (none is known).
     """
-    # Whatever happens in this cycle lies below accelerating from max(a, 0) with +J: what is safe there needs no watching.
-    a_top = max(a, 0.0) + J_up * T
-    v_top = v + a_top * T
+    # Whatever happens in this cycle lies below accelerating with +J all the time: what is safe there needs no watching.
+    # (Close to standstill a braking may have to be taken back with more jerk than J_up, see below.)
+    a_top = a + J_up * T
+    if a < 0.0 and 2.0 * v * J_up < 4.0 * a * a:
+        a_top = J_up * T
+    v_top = v + max(a_top, 0.0) * T
     s_top = v_top * T
     for i in range(count):
         near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
@@ -269,18 +273,24 @@ def drive(
             t = time_to(d[border] - s, v, a, jerk, t)
         v_t = v + a * t + jerk * t * t / 2.0
         s_t = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
-        if not is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * t, T):
+        # Slack changes in one direction within a piece: only what is violated at its end can be violated in it.
+        violated = 0
+        for i in range(count):
+            if state[i] == 1 and slack(kind[i], d[i] - s_t, x[i], A[i], J[i], B[i], v_t, a + jerk * t, T) < -TOLERANCE:
+                state[i] = 3
+                violated += 1
+        if violated > 0:
             low, high = 0.0, t
-            for _ in range(48):
+            while high - low > 1e-16:
                 middle = (low + high) / 2.0
+                if middle <= low or middle >= high:
+                    break
                 v_t = v + a * middle + jerk * middle * middle / 2.0
                 s_t = s + v * middle + a * middle * middle / 2.0 + jerk * middle * middle * middle / 6.0
                 if is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * middle, T):
                     low = middle
                 else:
                     high = middle
-                if high - low < 1e-17:
-                    break
             t = low
         s += v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
         v += a * t + jerk * t * t / 2.0
