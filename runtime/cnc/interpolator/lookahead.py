@@ -89,56 +89,56 @@ def look_ahead(
             at_old = count
             A_old, J_old, way_old = A_least, J_least, way
         r = records[e % size]
-        what = r.kind
+        what = r["kind"]
         if what <= ARC:
-            wanted = 0.0 if hold else wanted_speed(r.rapid, r.feed, r.v_limit, override)
+            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
             if not moving:
                 moving = True
                 kind[0], d[0], x[0], index[0] = NOW, 0.0, wanted, e
-                A[0], J[0] = r.a_limit, r.j_limit
+                A[0], J[0] = r["a_limit"], r["j_limit"]
                 count = 1
-                fastest, least_wanted = r.v_limit, wanted
-                B[0] = r.j_limit
-                up[0], up[1] = r.a_limit, r.j_limit
-                A_least, J_least = r.a_limit, r.j_limit
+                fastest, least_wanted = r["v_limit"], wanted
+                B[0] = r["j_limit"]
+                up[0], up[1] = r["a_limit"], r["j_limit"]
+                A_least, J_least = r["a_limit"], r["j_limit"]
                 a_top = max(a, 0.0) + J_least * period
                 v_top = v + a_top * period
                 top = v_top + a_top * a_top / (2.0 * J_least)
                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
-                way = r.length - s_in
+                way = r["length"] - s_in
             else:
-                J_then = min(J_least, r.j_limit)
+                J_then = min(J_least, r["j_limit"])
                 less = J_then < J_least
                 peak = v_top + a_top * a_top / (2.0 * J_then)
-                if r.v_limit < fastest or less:
-                    fastest = min(fastest, r.v_limit)
+                if r["v_limit"] < fastest or less:
+                    fastest = min(fastest, r["v_limit"])
                     if fastest < peak:
                         kind[count], d[count], x[count], index[count] = SLOWER, way, fastest, e
                         A[count], J[count], B[count] = A_least, J_least, J_then
                         count += 1
                 if not hold and (wanted < least_wanted or less):
                     least_wanted = min(least_wanted, wanted)
-                    if least_wanted < peak:
+                    if least_wanted < peak and least_wanted < fastest:
                         kind[count], d[count], x[count], index[count] = FEED, way, least_wanted, e
                         A[count], J[count], B[count] = A_least, J_least, J_then
                         count += 1
-                if r.v_entry < slowest_corner:
-                    slowest_corner = r.v_entry
-                    if r.v_entry < top:
-                        kind[count], d[count], x[count], index[count] = SPEED, way, r.v_entry, e
+                if r["v_entry"] < slowest_corner:
+                    slowest_corner = r["v_entry"]
+                    if slowest_corner < top and slowest_corner < fastest:
+                        kind[count], d[count], x[count], index[count] = SPEED, way, slowest_corner, e
                         A[count], J[count] = A_least, J_least
                         count += 1
-                if r.a_limit < A_least or r.j_limit < J_least:
+                if r["a_limit"] < A_least or r["j_limit"] < J_least:
                     J_before = J_least
-                    A_least, J_least = min(A_least, r.a_limit), min(J_least, r.j_limit)
+                    A_least, J_least = min(A_least, r["a_limit"]), min(J_least, r["j_limit"])
                     kind[count], d[count], x[count], index[count] = REDUCE, way, A_least, e
                     A[count], J[count] = J_least, J_before
                     count += 1
                     top = v_top + a_top * a_top / (2.0 * J_least)
                     need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
-                way += r.length
+                way += r["length"]
         gate = what == GATE and e > opened
-        if single_block and e > opened and moving and (what == BLOCK_END or r.block_end == 1):
+        if single_block and e > opened and moving and (what == BLOCK_END or r["block_end"] == 1):
             if places[1] < 0 and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way):
                 places[1] = e  # the first block end where stopping is possible
             gate = gate or e == places[1]
