@@ -46,29 +46,29 @@ def walk(records: Records, written: int, n: int, single_block: bool, f: Floats, 
     while i[CUR] < written:
         r = records[i[CUR] % size]
         held = single_block and i[CUR] == i[SINGLE_GATE] and i[CUR] > i[OPENED]
-        if r.kind <= ARC:
+        if r["kind"] <= ARC:
             if f[S_IN] == 0.0 and f[V] == 0.0:
                 for k in range(n):
-                    if abs(r.start[k] - q[k]) > JOIN:
+                    if abs(r["start"][k] - q[k]) > JOIN:
                         i[APART] = 1
                         return
             i[SHOWN] = i[CUR]
-            if f[V] == 0.0 and r.length - f[S_IN] < ARRIVED:
-                f[S_IN] = r.length
-            if f[S_IN] < r.length:
+            if f[V] == 0.0 and r["length"] - f[S_IN] < ARRIVED:
+                f[S_IN] = r["length"]
+            if f[S_IN] < r["length"]:
                 return
             for k in range(n):
-                q[k] = r.end[k]
+                q[k] = r["end"][k]
             if held:
-                f[S_IN] = r.length
+                f[S_IN] = r["length"]
                 return
-            f[S_IN] = f[S_IN] - r.length if f[V] > 0.0 else 0.0
+            f[S_IN] = f[S_IN] - r["length"] if f[V] > 0.0 else 0.0
         else:
-            if held or (r.kind == GATE and i[CUR] > i[OPENED]):
+            if held or (r["kind"] == GATE and i[CUR] > i[OPENED]):
                 i[SHOWN] = i[CUR]
                 f[S_IN] = 0.0
                 return
-            if r.kind == GATE and r.reason == PROGRAM_END:
+            if r["kind"] == GATE and r["reason"] == PROGRAM_END:
                 i[ENDED] = 1
         i[CUR] += 1
         i[STARTED] = 1
@@ -81,7 +81,7 @@ def report(records: Records, i: Ints, passed: Ints) -> None:
     size = records.shape[0]
     count = 0
     while i[REPORTED] < i[CUR] and count < passed.shape[0]:
-        if records[i[REPORTED] % size].kind != GATE:
+        if records[i[REPORTED] % size]["kind"] != GATE:
             passed[count] = i[REPORTED]
             count += 1
         i[REPORTED] += 1
@@ -97,18 +97,18 @@ def search(records: Records, written: int, single_block: bool, i: Ints) -> None:
     i[SCANNED] = max(i[SCANNED], i[CUR])
     end = min(written, i[SCANNED] + SEARCH)
     while i[NEXT_GATE] < 0 and i[SCANNED] < end:
-        if records[i[SCANNED] % size].kind == GATE and i[SCANNED] > i[OPENED]:
+        if records[i[SCANNED] % size]["kind"] == GATE and i[SCANNED] > i[OPENED]:
             i[NEXT_GATE] = i[SCANNED]
         i[SCANNED] += 1
     i[NEXT_FUNCTION] = max(i[NEXT_FUNCTION], i[REPORTED])
     end = min(written, i[NEXT_FUNCTION] + SEARCH)
-    while i[NEXT_FUNCTION] < end and records[i[NEXT_FUNCTION] % size].kind != FUNCTION:
+    while i[NEXT_FUNCTION] < end and records[i[NEXT_FUNCTION] % size]["kind"] != FUNCTION:
         i[NEXT_FUNCTION] += 1
     gate = i[NEXT_GATE]
     if single_block and i[SINGLE_GATE] > i[OPENED] and (gate < 0 or i[SINGLE_GATE] < gate):
         gate = i[SINGLE_GATE]
     i[GATE_INDEX] = gate
-    found = i[NEXT_FUNCTION] < written and records[i[NEXT_FUNCTION] % size].kind == FUNCTION
+    found = i[NEXT_FUNCTION] < written and records[i[NEXT_FUNCTION] % size]["kind"] == FUNCTION
     i[FUNCTIONS] = 1 if gate >= 0 and found and i[NEXT_FUNCTION] < gate else 0
 
 
@@ -141,19 +141,19 @@ def cycle(
     v_before = f[V]
     braked_by_end = False
     count = 0
-    d, x, A_k, J_k, up, result = real[0], real[1], real[2], real[3], real[4], real[5]
+    d, x, A_k, J_k, B_k, up, result = real[0], real[1], real[2], real[3], real[4], real[5], real[6]
     kind, index, state, places = whole[0], whole[1], whole[2], whole[3]
     if i[APART] == 0:
         places[0], places[1], places[2] = i[HORIZON], i[SINGLE_GATE], -1
         count = look_ahead(
             records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1, i[OPENED], single_block,
-            places, kind, d, x, A_k, J_k, index, up,
+            places, kind, d, x, A_k, J_k, B_k, index, up,
         )  # fmt: skip
         if count > 0:
             i[HORIZON], i[SINGLE_GATE] = places[0], places[1]
     if count > 0:
         result[3] = 0.0
-        braked = drive(period, f[V], f[A], up[0], up[1], count, kind, d, x, A_k, J_k, state, result)
+        braked = drive(period, f[V], f[A], up[0], up[1], count, kind, d, x, A_k, J_k, B_k, state, result)
         f[OVERFLOWS] += result[3]
         i[BRAKED] = braked
         braked_by_end = braked >= 0 and braked == places[2]
@@ -166,12 +166,12 @@ def cycle(
     f[LENGTH] = 0.0
     if i[CUR] < written and i[APART] == 0:
         r = records[i[CUR] % size]
-        f[LENGTH] = r.length
-        if r.kind == LINE:
-            line_at(r.start, r.end, f[S_IN] / r.length, r.length, n, q, dq)
-        elif r.kind == ARC:
+        f[LENGTH] = r["length"]
+        if r["kind"] == LINE:
+            line_at(r["start"], r["end"], f[S_IN] / r["length"], r["length"], n, q, dq)
+        elif r["kind"] == ARC:
             arc_at(
-                r.start, r.end, r.axis0, r.axis1, r.centre0, r.centre1, r.angle, f[S_IN] / r.length, r.length, n, q, dq
+                r["start"], r["end"], r["axis0"], r["axis1"], r["centre0"], r["centre1"], r["angle"], f[S_IN] / r["length"], r["length"], n, q, dq
             )  # fmt: skip
     for k in range(n):
         dq[k] *= f[V]
@@ -179,7 +179,7 @@ def cycle(
     search(records, written, single_block, i)
     i[AT_GATE] = 0
     if f[V] == 0.0 and i[GATE_INDEX] >= 0 and i[CUR] == i[GATE_INDEX]:
-        if records[i[CUR] % size].kind > ARC or f[S_IN] >= records[i[CUR] % size].length:
+        if records[i[CUR] % size]["kind"] > ARC or f[S_IN] >= records[i[CUR] % size]["length"]:
             i[AT_GATE] = 1
     i[STANDSTILL] = 1 if f[V] == 0.0 and v_before == 0.0 else 0
     dry = i[STARTED] == 1 and i[ENDED] == 0 and i[AT_GATE] == 0
@@ -188,7 +188,7 @@ def cycle(
 
 def scratch() -> tuple[Floats, Ints]:
     """Memory for the constraints of a cycle."""
-    return np.zeros((6, CONSTRAINTS)), np.zeros((4, CONSTRAINTS), dtype=np.int64)
+    return np.zeros((7, CONSTRAINTS)), np.zeros((4, CONSTRAINTS), dtype=np.int64)
 
 
 @warms("interpolator")

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.profile import NOW, REDUCE, SPEED, STOP, brake_distance, slack
+from runtime.cnc.interpolator.profile import FEED, NOW, REDUCE, SLOWER, SPEED, STOP, brake_distance, can_release, slack
 from runtime.cnc.motion_queue import Records
 from runtime.kernels import kernel
 
@@ -60,6 +60,7 @@ def look_ahead(
     x: Floats,
     A: Floats,
     J: Floats,
+    B: Floats,
     index: Ints,
     up: Floats,
 ) -> int:
@@ -72,10 +73,9 @@ def look_ahead(
     count = 0
     way = 0.0
     A_least, J_least = np.inf, np.inf
-    fastest, hard_fastest = np.inf, np.inf  # what constraints so far allow
+    fastest, least_wanted, slowest_corner = np.inf, np.inf, np.inf  # what constraints so far allow
     need = 0.0
-    top = 0.0
-    travel = 0.0
+    top, v_top, a_top = 0.0, 0.0, 0.0
     old_horizon = places[0]
     at_old = -1
     A_old, J_old, way_old = 0.0, 0.0, 0.0
@@ -89,54 +89,62 @@ def look_ahead(
             at_old = count
             A_old, J_old, way_old = A_least, J_least, way
         r = records[e % size]
-        what = r.kind
+        what = r["kind"]
         if what <= ARC:
-            wanted = 0.0 if hold else wanted_speed(r.rapid, r.feed, r.v_limit, override)
+            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
             if not moving:
                 moving = True
                 kind[0], d[0], x[0], index[0] = NOW, 0.0, wanted, e
-                A[0], J[0] = r.a_limit, r.j_limit
+                A[0], J[0] = r["a_limit"], r["j_limit"]
                 count = 1
-                fastest = wanted
-                up[0], up[1] = r.a_limit, r.j_limit
-                A_least, J_least = r.a_limit, r.j_limit
+                fastest, least_wanted = r["v_limit"], wanted
+                B[0] = r["j_limit"]
+                up[0], up[1] = r["a_limit"], r["j_limit"]
+                A_least, J_least = r["a_limit"], r["j_limit"]
                 a_top = max(a, 0.0) + J_least * period
                 v_top = v + a_top * period
                 top = v_top + a_top * a_top / (2.0 * J_least)
-                travel = v_top * period
                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
-                way = r.length - s_in
+                way = r["length"] - s_in
             else:
-                if wanted < fastest:
-                    fastest = wanted
-                    if wanted < top and not hold:
-                        kind[count], d[count], x[count], index[count] = SPEED, way, wanted, e
+                J_then = min(J_least, r["j_limit"])
+                less = J_then < J_least
+                peak = v_top + a_top * a_top / (2.0 * J_then)
+                if r["v_limit"] < fastest or less:
+                    fastest = min(fastest, r["v_limit"])
+                    if fastest < peak:
+                        kind[count], d[count], x[count], index[count] = SLOWER, way, fastest, e
+                        A[count], J[count], B[count] = A_least, J_least, J_then
+                        count += 1
+                if not hold and (wanted < least_wanted or less):
+                    least_wanted = min(least_wanted, wanted)
+                    if least_wanted < peak and least_wanted < fastest:
+                        kind[count], d[count], x[count], index[count] = FEED, way, least_wanted, e
+                        A[count], J[count], B[count] = A_least, J_least, J_then
+                        count += 1
+                if r["v_entry"] < slowest_corner:
+                    slowest_corner = r["v_entry"]
+                    if slowest_corner < top and slowest_corner < fastest:
+                        kind[count], d[count], x[count], index[count] = SPEED, way, slowest_corner, e
                         A[count], J[count] = A_least, J_least
                         count += 1
-                hard = min(r.v_entry, r.v_limit)
-                if hard < hard_fastest:
-                    hard_fastest = hard
-                    if hard < top:
-                        kind[count], d[count], x[count], index[count] = SPEED, way, hard, e
-                        A[count], J[count] = A_least, J_least
-                        count += 1
-                if r.a_limit < A_least or r.j_limit < J_least:
+                if r["a_limit"] < A_least or r["j_limit"] < J_least:
                     J_before = J_least
-                    A_least, J_least = min(A_least, r.a_limit), min(J_least, r.j_limit)
+                    A_least, J_least = min(A_least, r["a_limit"]), min(J_least, r["j_limit"])
                     kind[count], d[count], x[count], index[count] = REDUCE, way, A_least, e
                     A[count], J[count] = J_least, J_before
                     count += 1
-                    if way <= travel:
-                        up[1] = min(up[1], J_least)
+                    top = v_top + a_top * a_top / (2.0 * J_least)
                     need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
-                way += r.length
+                way += r["length"]
         gate = what == GATE and e > opened
-        if single_block and e > opened and moving and (what == BLOCK_END or r.block_end == 1):
+        if single_block and e > opened and moving and (what == BLOCK_END or r["block_end"] == 1):
             if places[1] < 0 and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way):
                 places[1] = e  # the first block end where stopping is possible
             gate = gate or e == places[1]
         if gate:
             stopped = True
+            e += 1
             break
         e += 1
         if moving and way > need:
@@ -151,7 +159,12 @@ def look_ahead(
         count += 1
     if at_old > 0:
         for i in range(at_old, count):
-            if kind[i] != REDUCE and slack(kind[i], d[i], x[i], A[i], J[i], v, a, period) < -1e-8:
+            if kind[i] == FEED:
+                continue
+            safe = slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) >= -1e-8
+            if kind[i] == REDUCE and a < 0.0:
+                safe = safe and can_release(d[i], x[i], A[i], J[i], v, a)
+            if not safe:
                 count = at_old
                 kind[count], d[count], x[count], index[count] = STOP, way_old, 0.0, old_horizon
                 A[count], J[count] = A_old, J_old
@@ -160,10 +173,15 @@ def look_ahead(
                 e = old_horizon
                 break
     places[0] = e
+    # A feed that comes too soon (the override has just changed) is braked for at once, as far as nothing else forbids it.
+    for i in range(1, count):
+        if kind[i] == FEED and slack(FEED, d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
+            x[0] = min(x[0], x[i])
+            x[i] = np.inf
     # Braking for its own sake (feed hold, lower override) may cross borders: with the least of what it crosses.
     for i in range(1, count):
         if kind[i] == REDUCE:
-            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]) + travel:
+            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]):
                 break
             A[0], J[0] = min(A[0], x[i]), min(J[0], A[i])
     return count

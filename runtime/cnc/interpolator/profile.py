@@ -4,7 +4,7 @@ State on the path: s (mm from where the cycle began), v, a. Ahead lie constraint
 
       v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
         │ ─────╮
-        │       ╲    SPEED: at d the path velocity must not exceed x (corner, slower element, feed of the next block)
+        │       ╲    SPEED: at d the path velocity must not exceed x (corner); SLOWER: from d on; FEED: it should not
         │        ╲___o
         │             ╲   STOP: at d the path stands (closed gate, end of what is known)
         └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
@@ -37,9 +37,9 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 # kinds of constraints
-NOW, SPEED, STOP, REDUCE = 0, 1, 2, 3
+NOW, SPEED, STOP, REDUCE, SLOWER, FEED = 0, 1, 2, 3, 4, 5
 
-TOLERANCE = 1e-9  # mm of slack taken as zero
+TOLERANCE = 1e-11  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
 ARRIVED = 1e-7  # mm: standing so near to a stop is standing on it
 NEVER = 1e30
@@ -81,35 +81,69 @@ def brake_distance(v: float, a: float, target: float, A: float, J: float) -> flo
 
 
 @kernel
-def slack(kind: int, d: float, x: float, A: float, J: float, v: float, a: float, period: float) -> float:
+def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
+    """Time at which `way` has just been covered; at `most` it has."""
+    low, high = 0.0, most
+    for _ in range(60):
+        t = (low + high) / 2.0
+        if v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 < way:
+            low = t
+        else:
+            high = t
+        if high - low < 1e-14:
+            break
+    return high
+
+
+@kernel
+def can_release(d: float, A: float, J: float, J_before: float, v: float, a: float) -> bool:
+    """Whether a braking (a < 0) can be taken back over a border at d: there at most A is left, and J ends it above v = 0."""
+    t = -a / J_before
+    if v * t - J_before * t * t * t / 3.0 <= d:
+        return True
+    t = time_to(d, v, a, J_before, t)
+    v += a * t + J_before * t * t / 2.0
+    a += J_before * t
+    return -a <= A and a * a <= 2.0 * J * v
+
+
+@kernel
+def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float, a: float, period: float) -> float:
     """How far the state is from having to react to a constraint, mm; negative: it can't be met any more.
 
     Where the velocity stays below x anyway, or the acceleration below x, the slack is made of what is missing to x
-    (times the period), so that it reaches zero together with it.
+    (times the period), so that it reaches zero together with it. `B` is the jerk behind d (SLOWER) or at present (NOW).
     """
     if kind == REDUCE:
         if a <= x:
             return max(d, 0.0) + (x - a) * period * period
         return d - reduce_distance(v, a, x, J)
     if kind == NOW:
-        d = 0.0
+        top = v + a * a / (2.0 * B) if a > 0.0 else v
+        return (x - top) * period if top <= x else -brake_distance(v, a, x, A, J)
     top = v + a * a / (2.0 * J) if a > 0.0 else v
     if top <= x:
         if a > 0.0:
-            d -= reduce_distance(v, a, 0.0, J)
+            left = d - reduce_distance(v, a, 0.0, J)
+            if left < 0.0 and kind >= SLOWER and B < J:  # still accelerating behind d, where the jerk is less
+                t = time_to(max(d, 0.0), v, a, -J, a / J)
+                top = v + a * t - J * t * t / 2.0 + (a - J * t) * (a - J * t) / (2.0 * B)
+            d = left
         return max(d, 0.0) + (x - top) * period
     return d - brake_distance(v, a, x, A, J)
 
 
 @kernel
-def reaction(kind: int, d: float, x: float, A: float, J: float, v: float, a: float) -> tuple[float, float]:
+def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: float, a: float) -> tuple[float, float]:
     """Jerk that a constraint without slack asks for, and for how long (s) before it asks for something else."""
     if kind == REDUCE:
         if a - x > 1e-9 * x:
             return -J, (a - x) / J
         return 0.0, (max(d, 0.0) + TOLERANCE) / v if v > 1e-9 and kind != NOW else NEVER
     if a > 0.0:
-        return -J, a / J
+        return (-B, a / B) if kind == NOW else (-J, a / J)
+    if kind == NOW and -a > A * 1.000001:  # the stop has come to reach an element with less acceleration
+        return J, (-a - A) / J
     drop = v - x
     release = a * a / (2.0 * J)
     if drop > release + 1e-9:
@@ -127,7 +161,7 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, v: float, a: flo
                 return 0.0, t
     if a < 0.0:
         return J, -a / J
-    if kind == SPEED and v > 1e-9:
+    if (kind == SPEED or kind >= SLOWER) and v > 1e-9:
         return 0.0, (max(d, 0.0) + TOLERANCE) / v  # over the place, then it is behind
     return 0.0, NEVER
 
@@ -140,15 +174,16 @@ def is_safe(
     x: Floats,
     A: Floats,
     J: Floats,
+    B: Floats,
     state: Ints,
     s: float,
     v: float,
     a: float,
     T: float,
 ) -> bool:
-    """Whether no constraint with state 1 (watched) is violated at (s, v, a)."""
+    """Whether no constraint with state 3 is violated at (s, v, a)."""
     for i in range(count):
-        if state[i] == 1 and slack(kind[i], d[i] - s, x[i], A[i], J[i], v, a, T) < -TOLERANCE:
+        if state[i] == 3 and slack(kind[i], d[i] - s, x[i], A[i], J[i], B[i], v, a, T) < -TOLERANCE:
             return False
     return True
 
@@ -166,25 +201,36 @@ def drive(
     x: Floats,
     A: Floats,
     J: Floats,
+    B: Floats,
     state: Ints,
     result: Floats,
 ) -> int:
     """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or -1.
 
-    Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind, 1 watched, 2 binding.
+    Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind,
+    1 watched, 2 binding, 3 violated at the end of a piece.
     `result[3]` counts cycles that needed more than `STEPS` pieces (none is known).
     """
-    # Whatever happens in this cycle lies below accelerating from max(a, 0) with +J: what is safe there needs no watching.
-    a_top = max(a, 0.0) + J_up * T
-    v_top = v + a_top * T
+    # Whatever happens in this cycle lies below accelerating with +J all the time: what is safe there needs no watching.
+    # (Close to standstill a braking may have to be taken back with more jerk than J_up, see below.)
+    a_top = a + J_up * T
+    if a < 0.0 and 2.0 * v * J_up < 4.0 * a * a:
+        a_top = J_up * T
+    v_top = v + max(a_top, 0.0) * T
     s_top = v_top * T
     for i in range(count):
-        near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], v_top, a_top, T) <= TOLERANCE
+        near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
         state[i] = 1 if near else 0
     s = 0.0
     left = T
     braked = -1
+    border = 1  # the next REDUCE: pieces end there, since the jerk may be less behind it
     for _ in range(STEPS):
+        while border < count and (kind[border] != REDUCE or d[border] - s <= TOLERANCE):
+            if kind[border] == REDUCE:
+                A_up, J_up = min(A_up, x[border]), min(J_up, A[border])
+                B[0] = J_up
+            border += 1
         jerk, t = NEVER, NEVER
         for i in range(count):
             if state[i] == 0:
@@ -193,14 +239,18 @@ def drive(
             if v == 0.0 and a == 0.0 and kind[i] != NOW and kind[i] != REDUCE and 0.0 < way < ARRIVED:
                 s = d[i]  # standing before a full stop by a rounding error
                 way = 0.0
-            if way <= 0.0 and (kind[i] == SPEED or kind[i] == REDUCE) and i > 0 and (v <= x[i] or way < -TOLERANCE):
+            # Behind; a full stop in a corner only once the path has stood, whatever 1e-9 mm say.
+            done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE
+            if way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
                 state[i] = 0  # behind
+                if kind[i] >= SLOWER:
+                    x[0] = min(x[0], x[i])
                 continue
-            if slack(kind[i], way, x[i], A[i], J[i], v, a, T) > TOLERANCE:
+            if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, T) > TOLERANCE:
                 state[i] = 1
                 continue
             state[i] = 2
-            jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], v, a)
+            jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], B[i], v, a)
             if jerk_i < jerk or (jerk_i == jerk and t_i < t):
                 jerk, t = jerk_i, t_i
                 braked = i
@@ -214,21 +264,33 @@ def drive(
                 jerk, t = 0.0, NEVER
         elif jerk >= 0.0 and a > A_up * 1.000001:
             jerk, t = -J_up, (a - A_up) / J_up
+        if a < 0.0 and jerk > 0.0 and v > 0.0 and 2.0 * v * jerk < a * a:
+            # Braked with more jerk than is left here to take the braking back: a border came between. Not backwards.
+            jerk = a * a / (2.0 * v)
+            t = -a / jerk
         t = min(t, left)
+        if border < count and s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 > d[border]:
+            t = time_to(d[border] - s, v, a, jerk, t)
         v_t = v + a * t + jerk * t * t / 2.0
         s_t = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
-        if not is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * t, T):
+        # Slack changes in one direction within a piece: only what is violated at its end can be violated in it.
+        violated = 0
+        for i in range(count):
+            if state[i] == 1 and slack(kind[i], d[i] - s_t, x[i], A[i], J[i], B[i], v_t, a + jerk * t, T) < -TOLERANCE:
+                state[i] = 3
+                violated += 1
+        if violated > 0:
             low, high = 0.0, t
-            for _ in range(48):
+            while high - low > 1e-16:
                 middle = (low + high) / 2.0
+                if middle <= low or middle >= high:
+                    break
                 v_t = v + a * middle + jerk * middle * middle / 2.0
                 s_t = s + v * middle + a * middle * middle / 2.0 + jerk * middle * middle * middle / 6.0
-                if is_safe(count, kind, d, x, A, J, state, s_t, v_t, a + jerk * middle, T):
+                if is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * middle, T):
                     low = middle
                 else:
                     high = middle
-                if high - low < 1e-13:
-                    break
             t = low
         s += v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
         v += a * t + jerk * t * t / 2.0
@@ -254,4 +316,4 @@ def drive(
 @warms("velocity profile")
 def _warm_up() -> None:
     floats, ints = np.zeros(4), np.zeros(4, dtype=np.int64)
-    drive(0.001, 0.0, 0.0, 1.0, 1.0, 0, ints, floats, floats, floats, floats, ints, floats)
+    drive(0.001, 0.0, 0.0, 1.0, 1.0, 0, ints, floats, floats, floats, floats, floats, ints, floats)

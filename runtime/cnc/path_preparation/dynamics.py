@@ -36,6 +36,7 @@ GREATEST_OVERRIDE = 2.0
 CURVATURE_SHARE = 0.5  # of the acceleration, given to curvature freely
 GREATEST_CURVATURE_SHARE = 0.7  # if the feed needs it
 TANGENTIAL = 1e-6  # a change of direction below this is rounding
+RUN = 16  # lines: in longer runs the limits go down in steps, or each line would be a constraint of its own in the cycle
 SMOOTH = 0.15  # a change of direction below this may stand for a curve (8.6 degrees)
 
 
@@ -143,7 +144,18 @@ def line_dynamics(
     circle = np.sqrt(np.maximum(isotropic**2 - across**2, 0.0))
     a_limit = np.minimum(np.maximum(axes, circle), a_plain)
     after = Border(direction[-1], np.zeros(n), float(length[-1]), bool(main[-1]))
+    if len(length) >= RUN:
+        v_limit, v_entry = _step_down(v_limit, 0.005), _step_down(v_entry, 0.005)
+        a_limit, j_limit = _step_down(a_limit, 0.02), _step_down(j_limit, 0.02)
     return Dynamics(v_limit, a_limit, j_limit, v_entry), after
+
+
+def _step_down(values: Floats, step: float) -> Floats:
+    """The next lower number of a geometric row; 0 and inf as they are."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lower = np.exp(np.floor(np.log(values) / step) * step)
+    rounded: Floats = np.where(np.isfinite(values) & (values > 0.0), np.minimum(lower, values), values)
+    return rounded
 
 
 def _least_left(limit: Floats, taken: Floats, share: Floats) -> Floats:
@@ -179,16 +191,14 @@ def arc_dynamics(
     curve = np.zeros(limits.n)
     kappa = in_plane**2 / radius
     curve[first], curve[second] = kappa * cosine, kappa * sine
-    third = np.zeros(limits.n)
-    rate = in_plane**3 / radius**2
-    third[first], third[second] = rate * sine, rate * cosine
+    rate = in_plane**3 / radius**2  # q''', along the direction
 
     moving = share > 0.0
     A = float(limits.acceleration[moving].min())
     J = float(limits.jerk[moving].min())
     v_axes = float(_least(limits.velocity, share))
     part = min(max(kappa * min(feed, v_axes) ** 2 / A, CURVATURE_SHARE), GREATEST_CURVATURE_SHARE)
-    v_limit = min(v_axes, math.sqrt(part * A / kappa), float(_least(0.4 * limits.jerk, third)) ** (1.0 / 3.0))
+    v_limit = min(v_axes, math.sqrt(part * A / kappa), (0.4 * J / rate) ** (1.0 / 3.0))
     fastest = min(v_limit, GREATEST_OVERRIDE * feed)
     across = kappa * fastest**2
     a_axes = float(_least_left(limits.acceleration, curve * fastest**2, share))
