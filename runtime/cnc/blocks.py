@@ -121,10 +121,14 @@ class TechnologyFunction:
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """Where the path waits for the functions of its block: stands behind the block's motion (MVS_SNS, MNS_SNS) or in
-    front of it (MVS_SVS). Every function put out since the previous `Wait` that needs an acknowledgement is meant."""
+    """Where the path waits for acknowledgements.
+
+    `before` stands in front of the block's motion and waits for the MVS_SVS functions put out so far; otherwise it stands behind
+    the motion and waits for every function put out so far.
+    """
 
     source: Source
+    before: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,6 +48,7 @@ _ACK = {
 }
 _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
+_MVS_SVS = int(Synch.MVS_SVS)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
@@ -93,6 +94,7 @@ class _Waiting:
     n: int | None
     spindle: Spindle | None  # waits for its speed
     sent: Sent | None  # waits for the PLC
+    synch: int
 
 
 class Channel:
@@ -309,12 +311,13 @@ class Channel:
                 return _NONE
             return _SINGLE_BLOCK | _WAIT_CONTINUE
         if gate.reason is GateReason.WAIT:
-            if not path.functions_before_gate and not self.waiting_functions:
+            missing = [w for w in self._waiting if w.synch & _MVS_SVS] if gate.synch else self._waiting
+            if not path.functions_before_gate and not self._overflow and not missing:
                 path.open_gate()
                 return _NONE
             if not path.at_gate:
                 return _NONE
-            spindle = all(waiting.sent is None or waiting.sent.done for waiting in self._waiting)
+            spindle = all(waiting.sent is None or waiting.sent.done for waiting in missing)
             return _WAIT_SPINDLE if spindle else _WAIT_TECHNOLOGY
         if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
             path.open_gate()
@@ -373,7 +376,7 @@ class Channel:
             self._event(EventKind.SPINDLE, record.line, record.n, record.number, record.value, axis=spindle.index)
         self._event(_OUT[kind], record.line, record.n, record.number, record.value)
         if waits:
-            self._waiting.append(_Waiting(kind, record.number, record.line, record.n, spindle, sent))
+            self._waiting.append(_Waiting(kind, record.number, record.line, record.n, spindle, sent, int(record.synch)))
         return True
 
     def _acknowledge(self, speeds: Floats) -> None:

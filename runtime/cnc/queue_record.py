@@ -9,7 +9,10 @@ from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 
 
 class QueueRecord(NamedTuple):
-    """Technology fields hold for FUNCTION, reason and seconds for GATE; `feed` in mm/s for elements."""
+    """Technology fields hold for FUNCTION, reason and seconds for GATE; `feed` in mm/s for elements.
+
+    `synch` of a WAIT gate is MVS_SVS if only functions of that type are waited for, else NO_SYNCH.
+    """
 
     kind: RecordKind
     line: int
@@ -37,7 +40,7 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
         technology=Technology(int(record["function"])) if function else Technology.M,
         number=int(record["number"]),
         value=float(record["value"]),
-        synch=Synch(int(record["synch"])) if function else Synch.NO_SYNCH,
+        synch=Synch(int(record["synch"])),
         spindle=int(record["spindle"]) if function else -1,
         reason=GateReason(int(record["reason"])) if kind is RecordKind.GATE else GateReason.WAIT,
         seconds=float(record["seconds"]),

@@ -107,6 +107,15 @@ def test_mns_sns_is_put_out_after_the_motion_and_waits_there(machine: Machine, p
     assert run.standing_at(200.0) == pytest.approx(0.3, abs=0.02)
 
 
+def test_in_front_of_the_motion_only_mvs_svs_is_waited_for(machine: Machine, program: Write) -> None:
+    first, second = SYNCH["MVS_SVS"], SYNCH["MVS_SNS"]
+    text = f"%T\nG90 G01 F6000 X100\nX200 M{first} M{second}\nX300\nM30\n"
+    run = Run(machine, program(text), {(M, first): 0.2, (M, second): 0.7})
+    assert run.result.good
+    assert run.standing_at(100.0) == pytest.approx(0.2, abs=0.02)
+    assert run.standing_at(200.0) <= 0.002
+
+
 def test_never_acknowledged_the_path_stands_and_says_what_it_waits_for(machine: Machine, program: Write) -> None:
     run = Run(machine, program(moves(SYNCH["MVS_SVS"])), {(M, SYNCH["MVS_SVS"]): None})
     assert not run.result.good

@@ -48,7 +48,7 @@ class Functions:
         """Everything of the block: functions before the motion, the motion, functions behind it, with their waits."""
         out = list(self.before)
         if self.wait_before:
-            out.append(Wait(source))
+            out.append(Wait(source, before=True))
         out += motion
         out += self.after
         if self.wait_after:
@@ -105,7 +105,13 @@ def functions_of(
 
 
 def _spindle(functions: Functions, synch: Synch, number: int, modal: ModalState, source: Source, column: int) -> None:
-    """A function of the main spindle. It is put out with NO_SYNCH too: the spindle axis, not only the PLC, needs it."""
+    """A function of the main spindle: for the spindle axis, and with PLC_INFO for the PLC too.
+
+    With NO_SYNCH the kernel of the manual does not execute it (programming manual, chapter 15.2.1.1). A spindle that keeps turning
+    after an M5 is no way to run a machine, so here that is an error.
+    """
+    if synch & ~Synch.PLC_INFO == Synch.NO_SYNCH:
+        raise LineError(catalogue.SPINDLE_NO_SYNCH, column, word=f"M{number}" if number else "S")
     if synch == Synch.NOT_VALID:
         raise LineError(catalogue.SPINDLE_LOCKED, column, word=f"M{number}" if number else "S")
     functions.add(TechnologyFunction(source, Technology.S, number, modal.speed, synch, 0))

@@ -36,7 +36,9 @@ GREATEST_OVERRIDE = 2.0
 CURVATURE_SHARE = 0.5  # of the acceleration, given to curvature freely
 GREATEST_CURVATURE_SHARE = 0.7  # if the feed needs it
 TANGENTIAL = 1e-6  # a change of direction below this is rounding
-RUN = 16  # lines: in longer runs the limits go down in steps, or each line would be a constraint of its own in the cycle
+RUN = (
+    16  # lines: in longer runs the limits go down in steps, or each line would be a constraint of its own in the cycle
+)
 SMOOTH = 0.15  # a change of direction below this may stand for a curve (8.6 degrees)
 
 

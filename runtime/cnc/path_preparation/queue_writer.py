@@ -26,6 +26,7 @@ from runtime.cnc.blocks import (
     Source,
     Stop,
     StopKind,
+    Synch,
     TechnologyFunction,
     Wait,
 )
@@ -141,6 +142,7 @@ class QueueWriter:
                 record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
             case Wait():
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
+                record["synch"] = int(Synch.MVS_SVS) if block.before else 0
             case Dwell():
                 record["kind"], record["reason"], record["seconds"] = RecordKind.GATE, GateReason.DWELL, block.seconds
             case Stop():

@@ -168,6 +168,12 @@ SPINDLE_LOCKED = ErrorEntry(
     300079, "{word} is locked by synchronisation type NOT_VALID", remedy="configure its synchronisation type"
 )
 
+SPINDLE_NO_SYNCH = ErrorEntry(
+    300084,
+    "{word} has no synchronisation type: with NO_SYNCH it would not be executed",
+    remedy="give it one in spindel[] of the channel parameters, MOS if the path need not wait",
+)
+
 # -- execution -----------------------------------------------------------------------------------------------------
 
 CALL_DEPTH = ErrorEntry(

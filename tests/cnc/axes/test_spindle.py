@@ -67,7 +67,9 @@ def test_a_drive_that_takes_no_set_points_has_none() -> None:
         st.tuples(st.sampled_from([3, 4, 5, 0]), st.floats(0, 30000), st.floats(0, 2), st.floats(0.01, 0.4)), max_size=6
     )
 )
-def test_acceleration_and_jerk_stay_within_their_limits_and_it_always_comes_to_rest(orders: list[tuple[int, float, float, float]]) -> None:
+def test_acceleration_and_jerk_stay_within_their_limits_and_it_always_comes_to_rest(
+    orders: list[tuple[int, float, float, float]],
+) -> None:
     spindle = make_spindle()
     before = acceleration = 0.0
     for number, speed, override, seconds in orders:

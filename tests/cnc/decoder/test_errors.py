@@ -186,6 +186,14 @@ def test_locked_spindle_functions() -> None:
     assert [entry for entry, _, _ in found("S100 M3\nM30", setup)] == [C.SPINDLE_LOCKED]
 
 
+def test_spindle_functions_without_synchronisation_are_not_ignored() -> None:
+    setup = replace(
+        SETUP, spindles=(SpindleSetup("S", Synch.NO_SYNCH, {3: Synch.MOS, 4: Synch.MOS, 5: Synch.NO_SYNCH}),)
+    )
+    assert [entry for entry, _, _ in found("S100 M3\nM5\nM30", setup)] == [C.SPINDLE_NO_SYNCH]
+    assert [entry for entry, _, _ in found("S100\nM30", setup)] == [C.SPINDLE_NO_SYNCH]
+
+
 def test_plane_without_its_axes() -> None:
     setup = replace(SETUP, axes=("X", "Y"), linear=(True, True), zero_offsets={})
     run = decode("G18 G02 X5 R5 F100\nM30", setup, start=(0.0, 0.0))
