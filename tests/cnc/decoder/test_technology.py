@@ -97,14 +97,6 @@ def test_spindle_functions_carry_spindle_and_plc_info() -> None:
     assert function.synch == Synch.MVS_SVS | Synch.PLC_INFO
 
 
-def test_spindle_functions_without_synchronisation_reach_the_axis() -> None:
-    setup = replace(SETUP, spindles=(SpindleSetup("SPINDEL"),))
-    run = decode("SPINDEL=100 M3\nS200\nM30", setup)
-    assert [
-        (block.number, block.value, block.synch) for block in run.blocks if isinstance(block, TechnologyFunction)
-    ] == [(3, 100, Synch.NO_SYNCH), (0, 200, Synch.NO_SYNCH)]
-
-
 @pytest.mark.spec("isg.mh.tool-select-t", "chan.tool.t-sync")
 def test_the_tool_is_told_before_the_tool_change() -> None:
     assert stream("T5 M6\nM6 T[2 + 1]\nM30") == ["T5", "M6", "Wait", "T3", "M6", "Wait"]
