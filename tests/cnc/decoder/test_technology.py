@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from runtime.cnc.blocks import Block, Stop, StopKind, Synch, Technology, TechnologyFunction
-from runtime.cnc.decoder import SpindleSetup
 from tests.cnc.decoder.programs import SETUP, decode
 
 
