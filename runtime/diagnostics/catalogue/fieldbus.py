@@ -70,12 +70,6 @@ CYCLE_NOT_REPRESENTABLE = ErrorEntry(
     "a cycle of {period_us} µs cannot be given to the drives as interpolation period (1 to 255 times a power of ten)",
     remedy="choose a cycle like 1 ms, 2 ms, 500 µs",
 )
-MASTER_NODE_TAKEN = ErrorEntry(
-    303015,
-    "node id {node} of the master is also that of {owner}",
-    remedy="give fieldbus.bus.master_node another id",
-)
-
 # -- boot ------------------------------------------------------------------------------------------------------------
 OTHER_MASTER = ErrorEntry(
     303020,

@@ -65,35 +65,7 @@ NOT_READY = ErrorEntry(
     "the program does not start: axis {axis} is not enabled",
     remedy="switch the drives on, or reset the channel after a fault",
 )
-CHANNEL_IN_ERROR = ErrorEntry(
-    306014, "the program does not start: the channel is in error", remedy="reset the channel first"
-)
-PREPARATION_SILENT = ErrorEntry(
-    306015,
-    "the preparation process does not answer",
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="restart the runtime; the journal says why the process ended",
-)
-CYCLE_FAILED = ErrorEntry(
-    306016,
-    "the cycle failed: {reason}",
-    severity=Severity.FATAL,
-    reaction=Reaction.QUICK_STOP,
-    remedy="this is an error of the runtime; keep the journal and report it",
-)
-PROCESS_LOST = ErrorEntry(
-    306017,
-    "a process of the runtime ended: {process}",
-    severity=Severity.FATAL,
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="the journal has its last words; reset the channel to go on",
-)
 NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
-NOT_READY = ErrorEntry(
-    306020,
-    "drives and PLC are not ready after {seconds:.0f} s",
-    remedy="the alarms before this one tell what is missing",
-)
 SIMULATION_STANDS = ErrorEntry(
     306021,
     "the program has been standing for {seconds:.0f} s and waits for {waits}",
