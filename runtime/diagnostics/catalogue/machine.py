@@ -61,11 +61,10 @@ PROCESS_LOST = ErrorEntry(
     remedy="the journal has its last words; reset the channel to go on",
 )
 NOT_READY = ErrorEntry(
-    306012,
-    "the program does not start: axis {axis} is not enabled",
-    remedy="switch the drives on, or reset the channel after a fault",
+    306020,
+    "drives and PLC are not ready after {seconds:.0f} s",
+    remedy="the alarms before this one tell what is missing",
 )
-NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
 SIMULATION_STANDS = ErrorEntry(
     306021,
     "the program has been standing for {seconds:.0f} s and waits for {waits}",
