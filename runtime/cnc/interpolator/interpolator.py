@@ -56,10 +56,10 @@ class Interpolator:
         self._dq[:] = 0.0
         self._q[: self._n] = position
         read = self.queue.read
-        for place in (c.CUR, c.REPORTED, c.HORIZON, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
+        for place in (c.CUR, c.REPORTED, c.HORIZON_ALL, c.HORIZON_ZONES, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
             self._i[place] = read
         self._i[c.OPENED] = read - 1
-        for place in (c.SINGLE_GATE, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
+        for place in (c.SINGLE_GATE_AT, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
             self._i[place] = -1
         self._i[c.STANDSTILL] = 1
         self._shown = (-1, 0, -1, -1)

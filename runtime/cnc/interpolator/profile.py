@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 # kinds of constraints
-NOW, SPEED, STOP, REDUCE, SLOWER, FEED = 0, 1, 2, 3, 4, 5
+NOW, SPEED, STOP, REDUCE, SLOWER, FEED, BORDER, PLACE = 0, 1, 2, 3, 4, 5, 6, 7
 
 TOLERANCE = 1e-11  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
@@ -65,14 +65,19 @@ def brake_distance(v: float, a: float, target: float, A: float, J: float) -> flo
         way = reduce_distance(v, a, 0.0, J)
         v += a * a / (2.0 * J)
         a = 0.0
+    if a < 0.0 and target < v <= target + a * a / (2.0 * J):  # nothing but taking back is left
+        t = -a / J
+        return max(way + v * t - J * t * t * t / 3.0, 0.0)
+    if -a > A:  # more than is allowed up to there: back to A first
+        t = (-a - A) / J
+        way += v * t + a * t * t / 2.0 + J * t * t * t / 6.0
+        v += a * t + J * t * t / 2.0
+        a = -A
     t_a = -a / J
     top = v + a * a / (2.0 * J)
     drop = top - target
     if drop <= 0.0:
         return way
-    if v - target <= a * a / (2.0 * J):
-        return way + v * t_a - J * t_a * t_a * t_a / 3.0
-    A = max(A, -a)
     if drop <= A * A / J:
         t = 2.0 * math.sqrt(drop / J)
     else:
@@ -118,6 +123,8 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
         if a <= x:
             return max(d, 0.0) + (x - a) * period * period
         return d - reduce_distance(v, a, x, J)
+    if kind == PLACE:
+        return d
     if kind == NOW:
         top = v + a * a / (2.0 * B) if a > 0.0 else v
         return (x - top) * period if top <= x else -brake_distance(v, a, x, A, J)
@@ -129,6 +136,8 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
                 t = time_to(max(d, 0.0), v, a, -J, a / J)
                 top = v + a * t - J * t * t / 2.0 + (a - J * t) * (a - J * t) / (2.0 * B)
             d = left
+        if kind == BORDER and a > 0.0:
+            return d  # over it without acceleration
         return max(d, 0.0) + (x - top) * period
     return d - brake_distance(v, a, x, A, J)
 
@@ -136,18 +145,20 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
 @kernel
 def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: float, a: float) -> tuple[float, float]:
     """Jerk that a constraint without slack asks for, and for how long (s) before it asks for something else."""
+    if kind == PLACE:
+        return NEVER, NEVER
     if kind == REDUCE:
         if a - x > 1e-9 * x:
             return -J, (a - x) / J
         return 0.0, (max(d, 0.0) + TOLERANCE) / v if v > 1e-9 and kind != NOW else NEVER
     if a > 0.0:
         return (-B, a / B) if kind == NOW else (-J, a / J)
-    if kind == NOW and -a > A * 1.000001:  # the stop has come to reach an element with less acceleration
+    if -a > A * 1.000001:
         return J, (-a - A) / J
     drop = v - x
     release = a * a / (2.0 * J)
     if drop > release + 1e-9:
-        A = max(A, -a)
+        A = max(A, -a)  # rounding
         whole = drop + release
         if whole <= A * A / J:
             t = (math.sqrt(whole * J) + a) / J
@@ -240,10 +251,12 @@ def drive(
                 s = d[i]  # standing before a full stop by a rounding error
                 way = 0.0
             # Behind; a full stop in a corner only once the path has stood, whatever 1e-9 mm say.
-            done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE
-            if way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
+            done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE or kind[i] == PLACE
+            if way <= TOLERANCE and kind[i] == PLACE or way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
                 state[i] = 0  # behind
-                if kind[i] >= SLOWER:
+                if kind[i] == BORDER:
+                    x[0] = min(x[0], v)  # what holds behind it is known in the next cycle
+                elif kind[i] >= SLOWER:
                     x[0] = min(x[0], x[i])
                 continue
             if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, T) > TOLERANCE:
