@@ -255,7 +255,10 @@ class Channel:
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
-        if self.phase is Phase.ABORTING and path.aborted:
+        if path.apart and self.phase is Phase.RUNNING:
+            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
+            self._clear()
+        elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
         elif self.phase is Phase.RUNNING and path.starved:
             stop |= self._out_of_blocks()

@@ -86,3 +86,9 @@ AXIS_MOVED = ErrorEntry(
     reaction=Reaction.NONE,
     remedy="was it moved while the control was off? if not, check its encoder before the first move",
 )
+PATH_APART = ErrorEntry(
+    306025,
+    "the next block does not begin where the axes stand; nothing was moved",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="this is an error of the runtime; keep the program and report it",
+)
