@@ -180,8 +180,8 @@ def cycle(
                 number = look_ahead(
                     records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1,
 
-                    i[OPENED], single_block, True, places, whole[1, 0], real[1, 0], real[1, 1], real[1, 2], real[1, 3], real[1, 4],
-                    whole[1, 1], up, borders,
+                    i[OPENED], single_block, True, places, whole[1, 0], real[1, 0], real[1, 1], real[1, 2], real[1, 3],
+                    real[1, 4], whole[1, 1], up, borders,
                 )  # fmt: skip
                 i[SINGLE_GATE_AT] = places[SINGLE_GATE]
                 real[1, 2, 0], real[1, 3, 0] = min(real[1, 2, 0], stop_A), min(real[1, 3, 0], stop_J)

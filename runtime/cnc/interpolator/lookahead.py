@@ -378,7 +378,10 @@ def look_ahead(
     # Braking for its own sake (feed hold, lower override) may cross borders: with the least of what it crosses.
     for i in range(1, count):
         if kind[i] == REDUCE:
-            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]) - 1e-6:
+            way = brake_distance(v, a, 0.0, A[0], J[0])
+            if v > x[0]:
+                way = max(way, brake_distance(v, a, x[0], A[0], J[0]))
+            if d[i] > way - 1e-6:
                 break
             A[0], J[0] = min(A[0], x[i]), min(J[0], A[i])
     return count
