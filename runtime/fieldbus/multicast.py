@@ -46,7 +46,7 @@ class MulticastBus(can.BusABC):
         options(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         options(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         options(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
-        group = socket.inet_pton(family, self._address[0])
+        group = socket.inet_pton(family, str(self._address[0]))
         self._socket.bind(("", self._address[1]))
         if family == socket.AF_INET:
             interface = socket.inet_aton("0.0.0.0" if hop_limit else "127.0.0.1")
