@@ -97,3 +97,21 @@ def test_the_kernels_of_the_product_are_in_the_fingerprint() -> None:
         path.relative_to(kernel_cache.PACKAGE).as_posix() for path in kernel_cache._sources(kernel_cache.PACKAGE)
     }
     assert {"cnc/interpolator/cycle.py", "cnc/language/isg/scan.py", "cnc/motion_queue.py"} <= sources
+
+
+@pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="nothing is compiled")
+def test_a_second_process_loads_what_the_first_has_compiled(tmp_path: Path) -> None:
+    script = (
+        "import runtime.cnc.axes.supervision as s\n"
+        "from runtime.kernels import warm_up\n"
+        "warm_up()\n"
+        "print(sum(s._supervise.stats.cache_hits.values()), sum(s._supervise.stats.cache_misses.values()))\n"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    counts = [
+        subprocess.run(
+            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)
+    ]
+    assert counts == ["0 1\n", "1 0\n"]

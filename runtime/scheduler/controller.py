@@ -47,7 +47,7 @@ _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
     FAULT_OFFLINE: alarms.DRIVE_OFFLINE,
     FAULT_LAG: alarms.FOLLOWING_ERROR,
-    FAULT_DROPPED: alarms.DRIVE_DROPPED,
+    FAULT_DROPPED: alarms.AXIS_TRACKING,
 }
 
 
@@ -99,6 +99,7 @@ class Controller:
         self.cycle_number = 0
         self.time = 0.0
         self._wanted = np.zeros(len(machine.axes), dtype=np.bool_)
+        self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
         self._states_before = drives.image.state.copy()
         self._process_lost_before = 0
         self._stopping = False
@@ -156,19 +157,38 @@ class Controller:
         self.orders.drives_wanted(self._wanted)
         if self._stopping and self._at_rest():
             self._wanted[:] = False
+        while image.events:  # before the axes are judged: the bus knows the cause
+            event = image.events.popleft()
+            problem = problem_of(event, self.machine)
+            if problem.entry.reaction >= Reaction.STOP_ON_PATH:
+                if event.axis >= 0:
+                    self._told[event.axis] = True
+                elif event.node == 0:  # the bus itself
+                    self._told[:] = True
+            self.alarm(problem, event.axis)
         for fault in self.supervision.monitor(self._wanted):
             self._axis_fault(fault)
-        while image.events:
-            event = image.events.popleft()
-            self.alarm(problem_of(event, self.machine), event.axis)
+        self._watch_tracking()
         if np.array_equal(image.state, self._states_before):
             return
         for i in np.flatnonzero(image.state != self._states_before):
             self._event(EventKind.DRIVE, number=int(i), value=float(image.state[i]), axis=int(i))
         self._states_before[:] = image.state
 
+    def _watch_tracking(self) -> None:
+        """A program cannot go on with an axis that was switched off: it would jump when it is switched on again."""
+        if not self.channel.active or self.channel.error is not None or self._stopping:
+            return
+        for i in self._path_list:
+            if not self._wanted[i] and not self.supervision.enabled[i]:
+                self.alarm(Problem(alarms.AXIS_TRACKING, {"axis": self.machine.axes[i].name}), i)
+                return
+
     def _axis_fault(self, fault: AxisFault) -> None:
         axis = self.machine.axes[fault.axis]
+        if self._told[fault.axis] and fault.kind != FAULT_LAG:
+            self._react(_FAULTS[fault.kind])
+            return
         values: dict[str, object] = {
             "axis": axis.name,
             "code": int(fault.value),
@@ -254,6 +274,8 @@ class Controller:
         self.channel.reset()
         self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
         self.alarms.acknowledge()
+        self._told[:] = False
+        self.drives.tell_again()
         if self.plc is not None:
             self.plc.restart()
         self._event(EventKind.RESET)

@@ -104,6 +104,7 @@ class Simulation:
             machine, 0, self.queue, self.link, dialect=dialect, on_block=self._trace_block if trace else None
         )
         self.plant = SimulatedPlant()
+        self._leave_bus: list[Callable[[], None]] = []
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
         self.plc: PlcPartner | None = None
         if partner is not None:
@@ -147,8 +148,8 @@ class Simulation:
         from runtime.fieldbus.simulator import SimulatedNodes
 
         name = f"tandem-simulation-{next(_instances)}"
-        nodes_bus = can.Bus(name, interface="virtual")
-        master_bus = can.Bus(name, interface="virtual")
+        nodes_bus, master_bus = (can.Bus(name, interface="virtual") for _ in range(2))
+        self._leave_bus = [nodes_bus.shutdown, master_bus.shutdown]
         self.nodes = SimulatedNodes(self.machine, nodes_bus, plant=self.plant)
 
         def step() -> None:
@@ -173,10 +174,18 @@ class Simulation:
 
     def cycle(self) -> None:
         """One cycle of the machine, with all that the other processes do meanwhile."""
+        self.before_cycle()
+        self.controller.cycle(self.time)
+        self.after_cycle()
+
+    def before_cycle(self) -> None:
+        """The preparation fills the queue, the time goes on."""
         while self.preparation.poll() is PumpState.MORE:
             pass
         self._advance()
-        self.controller.cycle(self.time)
+
+    def after_cycle(self) -> None:
+        """The simulated nodes answer, trace and log take what has come."""
         self._step_nodes()
         if self.samples is not None and self.controller.channel.active:
             path = self.controller.interpolator
@@ -270,6 +279,8 @@ class Simulation:
     def close(self, result: Result | None = None) -> None:
         """Write what stands at the end of the trace, leave the bus."""
         self.drives.stop()
+        while self._leave_bus:
+            self._leave_bus.pop()()
         if self.writer is not None and self.samples is not None:
             self.writer.close(self.samples, (result or Result()).summary())
         self.memory.close()

@@ -5,9 +5,9 @@
     ───●──●──────────┿━━━━━━━━━━┿━━━━┿━━━━━━━━━━━━▌━━━━━━━━━┿━━━━━━━━━━│
        └ passed, to be told      records known, ahead                  end of what is known
 
-`cur` is the record being executed. A record is passed when the path is at its end; records without length are passed when
-the path arrives at them, closed gates never. What was passed is told in `passed`, at most its length per cycle; the rest
-follows in the next ones and keeps its place in the queue until then.
+`cur` is the record being executed. A record is passed when the path is at its end; records without length are passed
+when the path arrives at them, closed gates never. What was passed is told in `passed`, at most its length per cycle;
+the rest follows in the next ones and keeps its place in the queue until then.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ from runtime.cnc.interpolator.lookahead import (
     SINGLE_GATE,
     VALID,
     WHOLE,
-    ZONES,
     look_ahead,
 )
 from runtime.cnc.interpolator.profile import ARRIVED, drive
@@ -143,7 +142,7 @@ def cycle(
     real: Floats,
     whole: Ints,
 ) -> None:
-    """Advance by one period. `q`, `dq` (n,): commanded position and velocity; `real`, `whole`: scratch of constraints."""
+    """Advance by one period. `q`, `dq` (n,): commanded position and velocity; `real`, `whole`: scratch."""
     size = records.shape[0]
     counters[1] = max(counters[1], min(i[REPORTED], i[CUR]))  # free what was told in the cycle before
     written = counters[0]
@@ -179,9 +178,10 @@ def cycle(
                     break
                 places[SINGLE_GATE] = i[SINGLE_GATE_AT]
                 number = look_ahead(
-                    records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1, i[OPENED],
-                    single_block, True, places, whole[1, 0], real[1, 0], real[1, 1], real[1, 2], real[1, 3], real[1, 4],
-                    whole[1, 1], up, borders,
+                    records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1,
+
+                    i[OPENED], single_block, True, places, whole[1, 0], real[1, 0], real[1, 1], real[1, 2], real[1, 3],
+                    real[1, 4], whole[1, 1], up, borders,
                 )  # fmt: skip
                 i[SINGLE_GATE_AT] = places[SINGLE_GATE]
                 real[1, 2, 0], real[1, 3, 0] = min(real[1, 2, 0], stop_A), min(real[1, 3, 0], stop_J)
@@ -222,16 +222,18 @@ def cycle(
             line_at(r["start"], r["end"], f[S_IN] / r["length"], r["length"], n, q, dq)
         elif r["kind"] == ARC:
             arc_at(
-                r["start"], r["end"], r["axis0"], r["axis1"], r["centre0"], r["centre1"], r["angle"], f[S_IN] / r["length"], r["length"], n, q, dq
+                r["start"], r["end"], r["axis0"], r["axis1"], r["centre0"], r["centre1"], r["angle"],
+                f[S_IN] / r["length"], r["length"], n, q, dq,
             )  # fmt: skip
     for k in range(n):
         dq[k] *= f[V]
     report(records, i, passed)
     search(records, written, single_block, i)
     i[AT_GATE] = 0
-    if f[V] == 0.0 and i[GATE_INDEX] >= 0 and i[CUR] == i[GATE_INDEX]:
-        if records[i[CUR] % size]["kind"] > ARC or f[S_IN] >= records[i[CUR] % size]["length"]:
-            i[AT_GATE] = 1
+    here = records[i[CUR] % size]
+    at_end = here["kind"] > ARC or f[S_IN] >= here["length"]
+    if f[V] == 0.0 and i[GATE_INDEX] >= 0 and i[CUR] == i[GATE_INDEX] and at_end:
+        i[AT_GATE] = 1
     i[STANDSTILL] = 1 if f[V] == 0.0 and v_before == 0.0 else 0
     dry = i[STARTED] == 1 and i[ENDED] == 0 and i[AT_GATE] == 0
     i[STARVED] = 1 if dry and (i[CUR] >= written or (braked_by_end and f[V] > 0.0)) else 0

@@ -7,17 +7,17 @@
      ├── as far as a braking from here can reach, and some cycles more ──┤
 
 In every cycle the elements ahead are walked once, as far as braking can reach from the fastest state of this cycle (a
-few hundred at most, one comparison each). Only what is slower than everything before it becomes a constraint; the limits
-(A, J) of a constraint are the smallest of all elements up to it, so that a braking may run across any borders.
+few hundred at most, one comparison each). Only what is slower than everything before it becomes a constraint; the
+limits (A, J) of a constraint are the smallest of all elements up to it, so that a braking may run across any borders.
 
-New elements are taken into the plan only if the present state is safe with them; until then the plan ends, with v = 0, where
-it ended before. So a plan that was safe stays safe whatever the preparation appends.
+New elements are taken into the plan only if the present state is safe with them; until then the plan ends, with v =
+0, where it ended before. So a plan that was safe stays safe whatever the preparation appends.
 
-Where the limits fall sharply (a line runs into a small arc) the smallest of all elements would be a bad judge of the braking
-before: the path is then also looked at in zones. Each zone counts with its own limits, and what lies in it and behind becomes
-one number, the speed at which its border may be crossed with zero acceleration:
+Where the limits fall sharply (a line runs into a small arc) the smallest of all elements would be a bad judge of the
+braking before: the path is then also looked at in zones. Each zone counts with its own limits, and what lies in it
+and behind becomes one number, the speed at which its border may be crossed with zero acceleration:
 
-     ── zone 0: A 4000 ───▌─ zone 1: A 400 ─▌──── zone 2 ────        v(1) = least over k in zone 1 of the speed from which
+     ── zone 0: A 4000 ───▌─ zone 1: A 400 ─▌── zone 2 ──       v(1) = least over k in zone 1 of the speed from which
                           v(1)              v(2)                     x_k is reached within d_k - d(1), and so for v(2)
 
 Both views are sufficient for safety; a cycle takes the faster of those that hold.
@@ -78,7 +78,7 @@ def entry_speed(d: float, x: float, A: float, J: float) -> float:
     (Newton from above converges steadily, the left side is convex), else (2x + u²) (u²/A + A/J) = 2d.
     """
     root = d * math.sqrt(J)
-    u = root ** (1.0 / 3.0)
+    u = math.pow(root, 1.0 / 3.0)
     for _ in range(30):
         step = (u * u * u + 2.0 * x * u - root) / (3.0 * u * u + 2.0 * x + 1e-300)
         u -= step
@@ -271,9 +271,9 @@ def yield_to_lower(
 ) -> bool:
     """Take constraints out of the way of lower ones; returns whether all were met as they were.
 
-    To be at x with zero acceleration can take more way than to be at less than x: the braking has to be taken back earlier.
-    So of several constraints at one place only the lowest counts (the others keep what they mean behind it: PLACE). And
-    where x can't be met, but standing still there can, that is done.
+    To be at x with zero acceleration can take more way than to be at less than x: the braking has to be taken back
+    earlier. So of several constraints at one place only the lowest counts (the others keep what they mean behind it:
+    PLACE). And where x can't be met, but standing still there can, that is done.
     """
     as_they_were = True
     for i in range(1, count):
@@ -288,10 +288,12 @@ def yield_to_lower(
                 break
         if kind[i] == PLACE or kind[i] == FEED or x[i] == 0.0:
             continue
-        if slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
-            if slack(kind[i], d[i], 0.0, A[i], J[i], B[i], v, a, period) >= -1e-8:
-                x[i] = 0.0
-                as_they_were = False
+        if (
+            slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8
+            and slack(kind[i], d[i], 0.0, A[i], J[i], B[i], v, a, period) >= -1e-8
+        ):
+            x[i] = 0.0
+            as_they_were = False
     return as_they_were
 
 
@@ -337,10 +339,10 @@ def look_ahead(
 ) -> int:
     """Fill the constraints seen from `s_in` in record `cur`; returns their number, 0 if no motion is known.
 
-    `places`: [HORIZON] the accepted horizon (absolute index), [SINGLE_GATE] the gate of single block or -1, [KNOWN_END] becomes
-    the constraint that is the end of what is known or -1, [SHARPLY] whether there are zones, [VALID] whether the state is safe,
-    [WHOLE] whether it is with all that was seen.
-    `up` becomes (A, J) for accelerating in this cycle.
+    `places`: [HORIZON] the accepted horizon (absolute index), [SINGLE_GATE] the gate of single block or -1,
+    [KNOWN_END] becomes the constraint that is the end of what is known or -1, [SHARPLY] whether there are zones,
+    [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen. `up` becomes (A, J) for
+    accelerating in this cycle.
     """
     old = places[HORIZON]
     last = min(written, cur + ELEMENTS)
@@ -368,7 +370,7 @@ def look_ahead(
     places[VALID] = 1 if safe else 0
     if safe:
         places[HORIZON] = places[SEEN]
-    # A feed that comes too soon (the override has just changed) is braked for at once, as far as nothing else forbids it.
+    # A feed that comes too soon (the override has just changed) is braked for at once, as far as nothing forbids it.
     for i in range(1, count):
         if kind[i] == FEED and slack(FEED, d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
             x[0] = min(x[0], x[i])
@@ -376,7 +378,10 @@ def look_ahead(
     # Braking for its own sake (feed hold, lower override) may cross borders: with the least of what it crosses.
     for i in range(1, count):
         if kind[i] == REDUCE:
-            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]) - 1e-6:
+            way = brake_distance(v, a, 0.0, A[0], J[0])
+            if v > x[0]:
+                way = max(way, brake_distance(v, a, x[0], A[0], J[0]))
+            if d[i] > way - 1e-6:
                 break
             A[0], J[0] = min(A[0], x[i]), min(J[0], A[i])
     return count

@@ -1,6 +1,7 @@
 """How one cycle is driven: as fast as every constraint ahead allows, with bounded jerk. Kernels.
 
-State on the path: s (mm from where the cycle began), v, a. Ahead lie constraints, each a place d and what must hold there:
+State on the path: s (mm from where the cycle began), v, a. Ahead lie constraints, each a place d and what must hold
+there:
 
       v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
         │ ─────╮
@@ -9,17 +10,18 @@ State on the path: s (mm from where the cycle began), v, a. Ahead lie constraint
         │             ╲   STOP: at d the path stands (closed gate, end of what is known)
         └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
 
-The braking to a constraint is the third-order one: jerk -J down to -A, hold, jerk +J so that v = x and a = 0 are reached
-together. Its length has a closed form, so nothing needs a grid: `slack` = d - braking distance, and a state is safe when no
-slack is negative. For limits that don't grow towards the far constraints (the look-ahead sees to that) this is sufficient for
-all of them together: braking for the slowest one stays below the braking curves of all others.
+The braking to a constraint is the third-order one: jerk -J down to -A, hold, jerk +J so that v = x and a = 0 are
+reached together. Its length has a closed form, so nothing needs a grid: `slack` = d - braking distance, and a state
+is safe when no slack is negative. For limits that don't grow towards the far constraints (the look-ahead sees to
+that) this is sufficient for all of them together: braking for the slowest one stays below the braking curves of all
+others.
 
 A cycle is cut where the jerk changes:  accelerate with +J until some slack is 0 (found by bisection: slack falls
 steadily while accelerating), from there follow that constraint's braking through its exact switching times, until it is
 fulfilled, and so on. Braking curves are thus followed without chatter, and a stop lands on its place.
 
-Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted braking is
-chosen; the others remain safe, since braking harder never endangers them.
+Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted
+braking is chosen; the others remain safe, since braking harder never endangers them.
 
 Units: mm, s (degrees where only rotary axes move).
 """
@@ -56,8 +58,8 @@ def reduce_distance(v: float, a: float, x: float, J: float) -> float:
 def brake_distance(v: float, a: float, target: float, A: float, J: float) -> float:
     """Way until velocity `target` is reached with zero acceleration, braking with at most A and J.
 
-    A positive `a` is taken back first. A negative one is understood as the middle of a braking that began at
-    v + a²/2J with zero acceleration: the length of the whole, less the part that lies behind. If the velocity is already
+    A positive `a` is taken back first. A negative one is understood as the middle of a braking that began at v +
+    a²/2J with zero acceleration: the length of the whole, less the part that lies behind. If the velocity is already
     below what the taking back of `a` needs, the distance is that of taking it back.
     """
     way = 0.0
@@ -102,7 +104,7 @@ def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
 
 @kernel
 def can_release(d: float, A: float, J: float, J_before: float, v: float, a: float) -> bool:
-    """Whether a braking (a < 0) can be taken back over a border at d: there at most A is left, and J ends it above v = 0."""
+    """Whether a braking (a < 0) can be taken back over a border at d: at most A is left there, J ends it at v ≥ 0."""
     t = -a / J_before
     if v * t - J_before * t * t * t / 3.0 <= d:
         return True
@@ -216,7 +218,8 @@ def drive(
     state: Ints,
     result: Floats,
 ) -> int:
-    """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or -1.
+    """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or
+    -1.
 
     Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind,
     1 watched, 2 binding, 3 violated at the end of a piece.
@@ -252,7 +255,7 @@ def drive(
                 way = 0.0
             # Behind; a full stop in a corner only once the path has stood, whatever 1e-9 mm say.
             done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE or kind[i] == PLACE
-            if way <= TOLERANCE and kind[i] == PLACE or way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
+            if (way <= TOLERANCE and kind[i] == PLACE) or (way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done):
                 state[i] = 0  # behind
                 if kind[i] == BORDER:
                     x[0] = min(x[0], v)  # what holds behind it is known in the next cycle

@@ -20,11 +20,11 @@ FOLLOWING_ERROR = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="is the axis blocked, the servo too weak, or `following_error` too small for this feed?",
 )
-DRIVE_DROPPED = ErrorEntry(
+AXIS_TRACKING = ErrorEntry(
     50025,
-    "drive of axis {axis} left operation enabled by itself",
+    "axis {axis} is in tracking although it shall be able to move: its drive is not enabled",
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check the drive's enable input and supply, then reset the channel",
+    remedy="check the drive's enable input and supply; does the PLC take drive_on back while a program runs? Then reset",
     source="HLI, tracking mode",
 )
 PLC_NOT_RUNNING = ErrorEntry(

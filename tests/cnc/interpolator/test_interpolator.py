@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -131,7 +132,7 @@ def test_the_arc_is_followed_exactly() -> None:
 def test_splitting_a_line_changes_nothing() -> None:
     whole = drive([line(ZERO, at(50.0, 20.0))], DEMO, ZERO)
     parts = [ZERO + (at(50.0, 20.0) - ZERO) * share for share in np.linspace(0.0, 1.0, 11)]
-    split = drive([line(a, b) for a, b in zip(parts, parts[1:], strict=False)], DEMO, ZERO)
+    split = drive([line(a, b) for a, b in pairwise(parts)], DEMO, ZERO)
     assert split.cycles == pytest.approx(whole.cycles, rel=0.01)
     assert np.abs(split.path[: whole.cycles - 2] - whole.path[: whole.cycles - 2]).max() < 1e-6
 
@@ -173,10 +174,10 @@ def test_feed_hold_stops_on_the_path_and_goes_on() -> None:
 def test_override_scales_feed_but_rapid_only_down() -> None:
     blocks = [line(ZERO, at(200.0), 3000.0)]
     for override, fastest in ((0.5, 25.0), (1.0, 50.0), (2.0, 100.0), (9.0, 100.0)):
-        run = drive(blocks, DEMO, ZERO, lambda *_, o=override: Order(override=o))  # type: ignore[misc]
+        run = drive(blocks, DEMO, ZERO, lambda *_, o=override: Order(override=o))
         assert max(run.v) == pytest.approx(fastest, rel=1e-6)
     for override, fastest in ((0.5, 200.0), (2.0, 400.0)):
-        run = drive([line(ZERO, at(300.0), math.inf)], DEMO, ZERO, lambda *_, o=override: Order(override=o))  # type: ignore[misc]
+        run = drive([line(ZERO, at(300.0), math.inf)], DEMO, ZERO, lambda *_, o=override: Order(override=o))
         assert max(run.v) == pytest.approx(fastest, rel=1e-6)
 
 
@@ -201,7 +202,7 @@ def test_a_closed_gate_is_stopped_at_exactly() -> None:
     run = drive(gate_program(Wait(Source("p", 1))), DEMO, ZERO, schedule)
     check_path_laws(run)
     assert run.at_gate[890]
-    put_out = dict((index, cycle) for cycle, index in run.passed)
+    put_out = {index: cycle for cycle, index in run.passed}
     assert put_out[0] == put_out[1] < 890
     assert run.path[put_out[1]].tolist() == [30.0, 0.0, 0.0]
     assert run.finished
@@ -278,7 +279,7 @@ def test_single_block_switched_on_late_stops_where_it_still_can() -> None:
 
 def test_starvation_stops_smoothly_and_goes_on() -> None:
     parts = [at(float(x)) for x in range(0, 61, 5)]
-    program = [line(a, b) for a, b in zip(parts, parts[1:], strict=False)]
+    program = [line(a, b) for a, b in pairwise(parts)]
     run = drive(program, DEMO, ZERO, lambda c, _: Order(feed_queue=c == 0 or c > 600), budget=6)
     check_path_laws(run)
     assert run.starved[500]
