@@ -11,7 +11,7 @@ from runtime.config.machine import AxisType, Machine
 from runtime.drives import DriveImage, DriveState
 from runtime.hli.layout import AxisState, Hli, StopCondition
 from runtime.hli.memory import put_text
-from runtime.hli.units import INT32
+from runtime.hli.units import RAPID
 
 LENGTH = 1e4  # 0.1 µm per mm, 0.0001 degrees per degree
 SPEED = 1e3  # µm/s per mm/s, 0.001 degrees/s per degree/s
@@ -94,7 +94,7 @@ class Publisher:
         status.line_r = max(path.line, 0) if channel.active else 0
         status.block_number_r = path.n
         status.block_counter_r = channel.block_counter
-        status.command_feed_r = int(min(channel.programmed_feed * SPEED, INT32))
+        status.command_feed_r = int(min(channel.programmed_feed * SPEED, RAPID))
         status.covered_distance_r = int(path.covered * 1000.0)
         status.decoder_program_end_r = channel.link.state is not PreparationState.RUNNING
         status.stop_condition_r = stop
