@@ -49,6 +49,7 @@ _ACK = {
 _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _MVS_SVS = int(Synch.MVS_SVS)
+_FUNCTION, _BLOCK_END = int(RecordKind.FUNCTION), int(RecordKind.BLOCK_END)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
@@ -251,7 +252,7 @@ class Channel:
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
         for index in path.passed:
-            self._pass(read_record(self.queue, index), index)
+            self._pass(index)
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
@@ -353,11 +354,12 @@ class Channel:
 
     # ------------------------------------------------------------------ technology functions
 
-    def _pass(self, record: QueueRecord, index: int) -> None:
-        if record.kind is RecordKind.FUNCTION:
-            if self._overflow or not self._put_out(record):
+    def _pass(self, index: int) -> None:
+        kind = self.queue.kind(index)
+        if kind == _FUNCTION:
+            if self._overflow or not self._put_out(read_record(self.queue, index)):
                 self._overflow.append(index)
-        elif record.kind is RecordKind.BLOCK_END:
+        elif kind == _BLOCK_END:
             self.block_counter += 1
 
     def _put_out_overflow(self) -> None:

@@ -31,7 +31,7 @@ from runtime.hli.memory import HliMemory
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
-from runtime.scheduler.preparation import Preparation
+from runtime.scheduler.preparation import BATCH, Preparation
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Floats = npt.NDArray[np.float64]
@@ -127,6 +127,7 @@ class Simulation:
         self.memory.hli.head.running_r = True
         self.log: list[Event] = []  # every event so far
         self._quiet_since = 0.0
+        self._room = 0  # free records in the queue from which the preparation goes on
 
     # ------------------------------------------------------------------ building
 
@@ -179,9 +180,11 @@ class Simulation:
         self.after_cycle()
 
     def before_cycle(self) -> None:
-        """The preparation fills the queue, the time goes on."""
-        while self.preparation.poll() is PumpState.MORE:
-            pass
+        """The preparation fills the queue, a batch at a time, and the time goes on."""
+        if self.queue.free >= self._room or not self.link.answered:
+            while (state := self.preparation.poll()) is PumpState.MORE:
+                pass
+            self._room = BATCH if state is PumpState.FULL else self.queue.capacity + 1  # or nothing more comes
         self._advance()
 
     def after_cycle(self) -> None:
