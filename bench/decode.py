@@ -14,6 +14,7 @@ import numpy as np
 from runtime.cli.check import check
 from runtime.cnc.blocks import Polyline
 from runtime.cnc.decoder import Decoder, DecoderSetup, load_program
+from runtime.cnc.path_preparation import SoftwareLimits
 from runtime.config.loader import load_machine
 from runtime.kernels import warm_up
 
@@ -46,7 +47,8 @@ def arcs(count: int) -> str:
 def measure() -> dict[str, float]:
     """Seconds and blocks per second; the machine is the built-in demo."""
     warm_up()
-    setup = DecoderSetup.from_machine(load_machine(None))
+    machine = load_machine(None)
+    setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
     results: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -57,8 +59,8 @@ def measure() -> dict[str, float]:
             return path
 
         path = program("surface.nc", surface(SURFACE_MOVES))
-        check(path, setup)  # the parser of the channel is built once
-        results["check_surface_200000_s"] = _seconds(lambda: check(path, setup))
+        check(path, setup, limits)  # the parser of the channel is built once
+        results["check_surface_200000_s"] = _seconds(lambda: check(path, setup, limits))
         loading = _seconds(lambda: load_program(path, setup).close())
         results["scan_plain_blocks_per_s"] = SURFACE_MOVES / loading
         results["decode_plain_blocks_per_s"] = SURFACE_MOVES / _seconds(lambda: _decode(path, setup))

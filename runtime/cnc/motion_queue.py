@@ -108,6 +108,7 @@ class MotionQueue:
             buffer: memoryview | bytearray = bytearray(size)
         else:
             self._memory = open_shared(name, size if create else None)
+            assert self._memory.buf is not None
             buffer = self._memory.buf
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)

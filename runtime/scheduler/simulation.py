@@ -10,9 +10,13 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    import can
 
 from runtime.cnc.block_json import rows
 from runtime.cnc.blocks import Block
@@ -104,6 +108,7 @@ class Simulation:
             machine, 0, self.queue, self.link, dialect=dialect, on_block=self._trace_block if trace else None
         )
         self.plant = SimulatedPlant()
+        self._buses: tuple[can.BusABC, ...] = ()
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
         self.plc: PlcPartner | None = None
         if partner is not None:
@@ -125,6 +130,8 @@ class Simulation:
         self.controller.channel.trace_blocks = trace is not None
         self.memory.hli.head.running_r = True
         self.log: list[Event] = []  # every event so far
+        self.problems: list[Problem] = []  # every alarm so far
+        self.controller.alarms.on_problem = self.problems.append
         self._quiet_since = 0.0
 
     # ------------------------------------------------------------------ building
@@ -149,6 +156,7 @@ class Simulation:
         name = f"tandem-simulation-{next(_instances)}"
         nodes_bus = can.Bus(name, interface="virtual")
         master_bus = can.Bus(name, interface="virtual")
+        self._buses = (nodes_bus, master_bus)
         self.nodes = SimulatedNodes(self.machine, nodes_bus, plant=self.plant)
 
         def step() -> None:
@@ -220,13 +228,14 @@ class Simulation:
 
     def run_program(self, program: Path, *, progress: Callable[[float, int], None] | None = None) -> Result:
         """From cycle start to program end, or to the error that ends it."""
-        if not self.run_until(self.ready, START_LIMIT):
-            return self._result(0.0, [str(Problem(alarms.NOT_READY, {"seconds": START_LIMIT}))])
+        channel = self.controller.channel
+        if not self.run_until(lambda: self.ready() or channel.error is not None, START_LIMIT):
+            self.problems.append(Problem(alarms.NOT_READY, {"seconds": START_LIMIT}))
+        if not self.ready():
+            return self._result(0.0)
         self.start(program)
         begin = self.time
         self.cycle()
-        channel = self.controller.channel
-        extra: list[str] = []
         for count in itertools.count():
             if not channel.active:
                 break
@@ -236,11 +245,13 @@ class Simulation:
                 self._quiet_since = self.time
             if self.time - self._quiet_since > STANDING_LIMIT:
                 waits = StopCondition(channel.stop_condition)
-                extra.append(str(Problem(alarms.SIMULATION_STANDS, {"seconds": STANDING_LIMIT, "waits": waits.name})))
+                self.problems.append(
+                    Problem(alarms.SIMULATION_STANDS, {"seconds": STANDING_LIMIT, "waits": waits.name})
+                )
                 break
             if progress and count % 1000 == 0:
                 progress(self.time - begin, channel.interpolator.line)
-        return self._result(self.time - begin, extra)
+        return self._result(self.time - begin)
 
     def _simulated_operator(self) -> None:
         """Presses continue where the program waits for it (M00, single block)."""
@@ -248,20 +259,15 @@ class Simulation:
         if waits and self.time - self._quiet_since > CONTINUE_AFTER:
             self.memory.hli.operator[0].continue_motion_rw = True
 
-    def _result(self, time: float, extra: list[str]) -> Result:
+    def _result(self, time: float) -> Result:
         image = self.drives.image
         names = self.machine.channels[0].axes
         decoder = self.preparation.decoder
-        errors = [
-            f"{event.number}: {event.text}"
-            for event in self.log
-            if event.kind is EventKind.ERROR and event.value >= Severity.ERROR
-        ]
         return Result(
             time=time,
             path_length=self.controller.channel.path_length,
             positions={name: float(image.target_position[self.machine.axis_index(name)]) for name in names},
-            problems=errors + extra,
+            problems=[_told(problem) for problem in self.problems if problem.entry.severity >= Severity.ERROR],
             events=list(self.log),
             parameters=dict(decoder.parameters) if decoder else {},
             cycles=self.controller.cycle_number,
@@ -270,6 +276,8 @@ class Simulation:
     def close(self, result: Result | None = None) -> None:
         """Write what stands at the end of the trace, leave the bus."""
         self.drives.stop()
+        for bus in self._buses:
+            bus.shutdown()
         if self.writer is not None and self.samples is not None:
             self.writer.close(self.samples, (result or Result()).summary())
         self.memory.close()
@@ -280,6 +288,11 @@ class Simulation:
     def __exit__(self, *_exception: object) -> None:
         if self.writer is None:
             self.close()
+
+
+def _told(problem: Problem) -> str:
+    """`file:line:column: id: text`, without the place if there is none."""
+    return str(problem) if problem.place.file or problem.place.line else f"{problem.entry.id}: {problem.text}"
 
 
 class PlantOnImage:

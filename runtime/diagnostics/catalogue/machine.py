@@ -24,7 +24,7 @@ AXIS_TRACKING = ErrorEntry(
     50025,
     "axis {axis} is in tracking although it shall be able to move: its drive is not enabled",
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check the drive's enable input and supply; does the PLC withdraw drive_on while a program runs? Then reset the channel",
+    remedy="check the drive's enable input and supply; does the PLC withdraw drive_on while a program runs? Then reset",
     source="HLI, tracking mode",
 )
 PLC_NOT_RUNNING = ErrorEntry(
