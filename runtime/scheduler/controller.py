@@ -105,6 +105,7 @@ class Controller:
         self._path_enabled = False
         self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
         self._process_lost_before = 0
+        self._astray: set[int] = set()  # path axes that were lost while the program ran
         self._stopping = False
         self._moving_before = False
 
@@ -134,18 +135,24 @@ class Controller:
         ready = self._path_enabled and self.orders.axes_released
         self.channel.step(self.orders.inputs, ready, image.actual_velocity, self.time, self.cycle_number)
         if self.channel.active:
-            if self._path_enabled:
+            if self._path_enabled and not self._astray:
                 image.target_position[self._path_axes] = self.interpolator.position
             else:  # an axis without its drive tracks, the others still brake on the path
-                for k, i in enumerate(self._path_list):
-                    if enabled[i]:
-                        image.target_position[i] = self.interpolator.position[k]
+                self._brake_without_lost_axes(enabled)
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
         if self.channel.problems:
             for problem in self._take_problems():
                 self.alarm(problem)
+
+    def _brake_without_lost_axes(self, enabled: list[bool]) -> None:
+        """An axis that has left the path stays off it until the program is over: going back to it would be a jump."""
+        for k, i in enumerate(self._path_list):
+            if not enabled[i]:
+                self._astray.add(i)
+            elif i not in self._astray:
+                self.drives.image.target_position[i] = self.interpolator.position[k]
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []
@@ -251,6 +258,7 @@ class Controller:
             self.alarm(problem)
             return
         position = self.drives.image.target_position[self._path_axes].copy()
+        self._astray.clear()
         self.publisher.program(program)
         self.channel.start(program, position, self.orders.skip_levels)
 

@@ -194,6 +194,16 @@ class Interpolator:
         return bool(self._i[c.STARVED])
 
     @property
+    def next_index(self) -> int:
+        """Absolute queue index of the record that is executed, or is the next one."""
+        return int(self._i[c.CUR])
+
+    @property
+    def nothing_known(self) -> bool:
+        """Everything in the queue has been executed, or there never was anything."""
+        return int(self._i[c.CUR]) >= self.queue.written
+
+    @property
     def apart(self) -> bool:
         """The next element doesn't start where the axes stand: nothing moves until `restart`."""
         return bool(self._i[c.APART])
