@@ -25,7 +25,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
-from runtime.diagnostics.catalogue import CATALOGUE, machine, motion
+from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.layout import StopCondition
@@ -251,15 +251,13 @@ class Channel:
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
-        if path.apart and self.error is None:
-            self._tell_gap()
         for index in path.passed:
             self._pass(index)
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
-            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
+            self._tell_gap()
             self._clear()
         elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
@@ -279,14 +277,13 @@ class Channel:
         return _NO_BLOCKS
 
     def _tell_gap(self) -> None:
-        """The next element does not start where the axes stand: nothing has moved, and nothing will."""
-        record = self.queue.record(self.interpolator.next_index)
-        position = self.interpolator.position
-        gap = np.abs(record["start"][: len(position)] - position)
+        """The next block does not begin where the axes stand: an error of ours, seen before anything moved."""
+        path = self.interpolator
+        record = self.queue.record(path.next_index)
+        gap = np.abs(record["start"][: len(path.position)] - path.position)
         axis = int(np.argmax(gap))
-        values = {"axis": axis + 1, "position": float(record["start"][axis]), "end": float(position[axis])}
-        self.problems.append(Problem(motion.PATH_GAP, values, Place(self.program, int(record["line"]))))
-        self.error = motion.PATH_GAP
+        values = {"axis": axis + 1, "start": float(record["start"][axis]), "position": float(path.position[axis])}
+        self.problems.append(Problem(machine.PATH_APART, values, Place(self.program, int(record["line"]))))
 
     def _failed_at_once(self) -> bool:
         """The preparation has failed before it handed over anything: file missing, error found by the check of the file."""

@@ -158,7 +158,7 @@ def test_a_fault_in_motion_from_the_alarm_to_the_next_program(demo: Machine, tmp
         driven.simulation.close()
         return
     assert driven.errors == []
-    assert driven.state is State.SELECTED
+    assert int(driven.state) == State.SELECTED
     assert driven.simulation.ready()
     for axis in (X, Y, Z):
         assert driven.image.actual_position[axis] == pytest.approx(driven.place_of(axis), abs=2e-4), "not lost"
