@@ -1,7 +1,7 @@
 """Run the measurements, print them as a table, write them to out/bench.json.
 
     python -m bench                    all
-    python -m bench fieldbus motion    these modules only
+    python -m bench machine command   these modules only
 
 The exit code is 0 whatever was measured: a figure depends on the computer, so no test may depend on it. It is 1 if a
 measurement fails.
@@ -27,7 +27,8 @@ import bench
 from bench.figure import Figure
 
 OUTPUT = Path("out/bench.json")
-_NOT_SUBJECTS = {"__main__", "figure"}
+WIDTH = 110  # characters of the table where there is no terminal
+_NOT_SUBJECTS = {"__main__", "figure", "programs", "stopwatch"}
 
 
 def subjects() -> list[str]:
@@ -69,14 +70,15 @@ def table(figures: Mapping[str, Sequence[Figure]]) -> Table:
     return result
 
 
-def report(figures: Mapping[str, Sequence[Figure]]) -> dict[str, object]:
-    """What is written: the computer, then the figures by subject."""
+def report(figures: Mapping[str, Sequence[Figure]], load: Sequence[float]) -> dict[str, object]:
+    """What is written: the computer (`load`: load average of a minute before and after), then the figures by subject."""
     return {
         "computer": {
             "processors": os.cpu_count(),
             "machine": platform.machine(),
             "kernel": platform.release(),
             "python": platform.python_version(),
+            "load_average": load,
         },
         "figures": {
             subject: [asdict(figure) | {"good": figure.good} for figure in rows] for subject, rows in figures.items()
@@ -87,14 +89,19 @@ def report(figures: Mapping[str, Sequence[Figure]]) -> dict[str, object]:
 def main(arguments: Sequence[str]) -> int:
     """Measure the named subjects, all without names; returns the exit code."""
     console = Console()
+    if console.width < WIDTH and not console.is_terminal:
+        console = Console(width=WIDTH)
     known = subjects()
     if unknown := [name for name in arguments if name not in known]:
         console.print(f"no such measurement: {', '.join(unknown)}; there are {', '.join(known)}", markup=False)
         return 2
+    load = [os.getloadavg()[0]]
     figures, failed = measure(arguments or known, console)
+    load.append(os.getloadavg()[0])
     console.print(table(figures))
+    console.print(f"{os.cpu_count()} processors, load average {load[0]:.1f} before, {load[1]:.1f} after")
     OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    OUTPUT.write_text(json.dumps(report(figures), indent=2) + "\n", encoding="utf-8")
+    OUTPUT.write_text(json.dumps(report(figures, load), indent=2) + "\n", encoding="utf-8")
     console.print(f"written to {OUTPUT}", markup=False)
     if failed:
         console.print(f"failed: {', '.join(failed)}", markup=False)

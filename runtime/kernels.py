@@ -7,19 +7,26 @@ enabled: never in the cycle.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
 
+from runtime.kernel_cache import cache_candidates, choose_cache, sources_version
+
 F = TypeVar("F", bound=Callable[..., Any])
+
+_CACHE = choose_cache(cache_candidates(os.environ), sources_version())
+if _CACHE is not None:
+    numba.config.CACHE_DIR = str(_CACHE)  # type: ignore[attr-defined]  # made at run time
 
 _WARM_UPS: list[tuple[str, Callable[[], None]]] = []
 
 
 def kernel(function: F) -> F:
     """Compile `function` at its first call, keep the machine code on disk, release the GIL, keep IEEE arithmetic."""
-    return cast(F, numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function))
+    return cast(F, numba.njit(cache=_CACHE is not None, nogil=True, fastmath=False, error_model="numpy")(function))
 
 
 def warms(name: str) -> Callable[[Callable[[], None]], Callable[[], None]]:

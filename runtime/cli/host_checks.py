@@ -19,6 +19,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from runtime.config.machine import Machine
+from runtime.kernel_cache import cache_candidates
 from runtime.scheduler.realtime import RefusedError, expect_memory_lock, set_priority
 
 _CAN_TYPE = "280"  # ARPHRD_CAN in /sys/class/net/*/type
@@ -250,17 +251,15 @@ def systemd(host: Host, machine: Machine) -> Finding:
 
 
 def kernel_cache(host: Host, machine: Machine) -> Finding:
-    """Where Numba keeps compiled kernels: $NUMBA_CACHE_DIR, else beside the modules, else the user's cache folder."""
+    """Where compiled kernels are kept: the best place of all that can be written to."""
     name = "compiled kernels"
-    package = Path(__file__).parents[1]
-    home = Path(host.environment.get("HOME") or "/")
-    given = host.environment.get("NUMBA_CACHE_DIR")
-    for place in [Path(given)] if given else [package, home / ".cache"]:
+    places = cache_candidates(host.environment)
+    for place in places:
         existing = next(folder for folder in (place, *place.parents) if folder.exists())
         if host.writable(existing):
             return Finding(name, Verdict.OK, f"kept in {place}")
     remedy = "Set NUMBA_CACHE_DIR to a folder that this user may write to, else every start compiles for a while."
-    return Finding(name, Verdict.WARN, f"{given or package} cannot be written", remedy)
+    return Finding(name, Verdict.WARN, f"{places[0]} cannot be written", remedy)
 
 
 def shared_memory(host: Host, machine: Machine) -> Finding:

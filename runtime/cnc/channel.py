@@ -49,6 +49,7 @@ _ACK = {
 _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _MVS_SVS = int(Synch.MVS_SVS)
+_FUNCTION, _BLOCK_END = int(RecordKind.FUNCTION), int(RecordKind.BLOCK_END)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
@@ -253,11 +254,14 @@ class Channel:
         if path.apart and self.error is None:
             self._tell_gap()
         for index in path.passed:
-            self._pass(read_record(self.queue, index), index)
+            self._pass(index)
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
-        if self.phase is Phase.ABORTING and path.aborted:
+        if path.apart and self.phase is Phase.RUNNING:
+            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
+            self._clear()
+        elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
         elif self.phase is Phase.RUNNING and (path.starved or self._failed_at_once()):
             stop |= self._out_of_blocks()
@@ -367,11 +371,12 @@ class Channel:
 
     # ------------------------------------------------------------------ technology functions
 
-    def _pass(self, record: QueueRecord, index: int) -> None:
-        if record.kind is RecordKind.FUNCTION:
-            if self._overflow or not self._put_out(record):
+    def _pass(self, index: int) -> None:
+        kind = self.queue.kind(index)
+        if kind == _FUNCTION:
+            if self._overflow or not self._put_out(read_record(self.queue, index)):
                 self._overflow.append(index)
-        elif record.kind is RecordKind.BLOCK_END:
+        elif kind == _BLOCK_END:
             self.block_counter += 1
 
     def _put_out_overflow(self) -> None:

@@ -8,8 +8,9 @@ A ring of fixed records, one producer and one consumer, in shared memory or in t
                       └────────────────────────────────────────────┘
                       ▲ consumer frees here                        ▲ producer appends here
 
-Indices only grow. A counter is stored after the records it covers (x86-64 keeps the order of stores), so neither side ever
-sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says how much.
+Indices only grow. A counter is stored after the records it covers (x86-64 keeps the order of stores), so neither side
+ever sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says
+how much.
 
 Units: mm or degrees, per second; angles of arcs in radians.
 """
@@ -95,7 +96,7 @@ _NAMES = PROGRAMS * PROGRAM_NAME
 
 
 class MotionQueue:
-    """The ring. `name` is that of the shared memory (none: private); `create` makes it, otherwise a running one is opened."""
+    """The ring. `name`: of the shared memory (None: private); `create` makes it, otherwise a running one is opened."""
 
     def __init__(self, n_axes: int, name: str | None = None, create: bool = True, capacity: int = CAPACITY) -> None:
         if not 1 <= n_axes <= MAX_AXES:
@@ -113,6 +114,7 @@ class MotionQueue:
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
         self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=_HEAD + _NAMES)
+        self._kinds = self.records["kind"]
         self._known: dict[str, int] = {}
 
     # ------------------------------------------------------------------ producer
@@ -161,6 +163,10 @@ class MotionQueue:
         """The record of an absolute index; valid while it is not freed. Fields by name, as in `RECORD`."""
         return self.records[index % self.capacity]
 
+    def kind(self, index: int) -> int:
+        """RecordKind of the record of an absolute index, as a plain number."""
+        return int(self._kinds[index % self.capacity])
+
     def program_name(self, program: int) -> str:
         """The name behind a program id."""
         return bytes(self._names[program % PROGRAMS]).decode("utf-8", "replace")
@@ -176,7 +182,7 @@ class MotionQueue:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self.counters, self._names, self.records
+        del self.counters, self._names, self.records, self._kinds
         if unlink:
             remove_shared(memory)
         else:

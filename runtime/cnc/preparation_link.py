@@ -38,6 +38,7 @@ class PreparationState(IntEnum):
     FAILED = 3  # the problem tells why; what was prepared before it is in the queue
 
 
+_RUNNING = int(PreparationState.RUNNING)
 _RECORD = np.dtype(
     [
         ("order", "u4"),
@@ -93,9 +94,10 @@ class PreparationLink:
             assert self._memory.buf is not None
             buffer = self._memory.buf
         self._record = np.frombuffer(buffer, dtype=_RECORD, count=1)[0:1]
+        self._fields = {name: self._record[name] for name in _RECORD.names or ()}  # views: making one takes its time
 
     def _get(self, name: str) -> int:
-        return int(self._record[name][0])
+        return int(self._fields[name][0])
 
     # ------------------------------------------------------------------ the cycle's side
 
@@ -130,6 +132,11 @@ class PreparationLink:
     @property
     def state(self) -> PreparationState:
         return PreparationState(self._get("state"))
+
+    @property
+    def running(self) -> bool:
+        """More blocks may come."""
+        return self._get("state") == _RUNNING
 
     @property
     def problem(self) -> Failure:
@@ -175,7 +182,7 @@ class PreparationLink:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self._record
+        del self._record, self._fields
         if unlink:
             remove_shared(memory)
         else:

@@ -35,7 +35,7 @@ from runtime.hli.memory import HliMemory
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
-from runtime.scheduler.preparation import Preparation
+from runtime.scheduler.preparation import BATCH, Preparation
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Floats = npt.NDArray[np.float64]
@@ -108,7 +108,7 @@ class Simulation:
             machine, 0, self.queue, self.link, dialect=dialect, on_block=self._trace_block if trace else None
         )
         self.plant = SimulatedPlant()
-        self._buses: tuple[can.BusABC, ...] = ()
+        self._leave_bus: list[Callable[[], None]] = []
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
         self.plc: PlcPartner | None = None
         if partner is not None:
@@ -133,6 +133,7 @@ class Simulation:
         self.problems: list[Problem] = []  # every alarm so far
         self.controller.alarms.on_problem = self.problems.append
         self._quiet_since = 0.0
+        self._room = 0  # free records in the queue from which the preparation goes on
 
     # ------------------------------------------------------------------ building
 
@@ -154,9 +155,8 @@ class Simulation:
         from runtime.fieldbus.simulator import SimulatedNodes
 
         name = f"tandem-simulation-{next(_instances)}"
-        nodes_bus = can.Bus(name, interface="virtual")
-        master_bus = can.Bus(name, interface="virtual")
-        self._buses = (nodes_bus, master_bus)
+        nodes_bus, master_bus = (can.Bus(name, interface="virtual") for _ in range(2))
+        self._leave_bus = [nodes_bus.shutdown, master_bus.shutdown]
         self.nodes = SimulatedNodes(self.machine, nodes_bus, plant=self.plant)
 
         def step() -> None:
@@ -181,10 +181,20 @@ class Simulation:
 
     def cycle(self) -> None:
         """One cycle of the machine, with all that the other processes do meanwhile."""
-        while self.preparation.poll() is PumpState.MORE:
-            pass
-        self._advance()
+        self.before_cycle()
         self.controller.cycle(self.time)
+        self.after_cycle()
+
+    def before_cycle(self) -> None:
+        """The preparation fills the queue, a batch at a time, and the time goes on."""
+        if self.queue.free >= self._room or not self.link.answered:
+            while (state := self.preparation.poll()) is PumpState.MORE:
+                pass
+            self._room = BATCH if state is PumpState.FULL else self.queue.capacity + 1  # or nothing more comes
+        self._advance()
+
+    def after_cycle(self) -> None:
+        """The simulated nodes answer, trace and log take what has come."""
         self._step_nodes()
         if self.samples is not None and self.controller.channel.active:
             path = self.controller.interpolator
@@ -276,8 +286,8 @@ class Simulation:
     def close(self, result: Result | None = None) -> None:
         """Write what stands at the end of the trace, leave the bus."""
         self.drives.stop()
-        for bus in self._buses:
-            bus.shutdown()
+        while self._leave_bus:
+            self._leave_bus.pop()()
         if self.writer is not None and self.samples is not None:
             self.writer.close(self.samples, (result or Result()).summary())
         self.memory.close()

@@ -8,10 +8,12 @@ import types
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import bench.__main__ as runner
 from bench.figure import Figure
+from bench.stopwatch import distribution
 
 
 @pytest.fixture
@@ -73,6 +75,16 @@ def test_named_subjects_only(subjects: Callable[..., None]) -> None:
     assert runner.main(["third"]) == 2
 
 
-def test_every_module_of_the_folder_is_a_subject() -> None:
-    modules = {file.stem for file in Path("bench").glob("*.py")} - {"__init__", "__main__", "figure"}
+def test_every_module_that_measures_is_a_subject() -> None:
+    modules = {file.stem for file in Path("bench").glob("*.py") if "\ndef measure() -> " in file.read_text()}
     assert set(runner.subjects()) == modules
+    assert {"machine", "interpolator", "command"} <= modules
+
+
+def test_a_distribution_is_that_of_the_calmest_window() -> None:
+    calm, disturbed = np.arange(1, 1001) * 1000, np.full(1000, 5_000_000)
+    median, p99, p999, highest, everything = distribution("work", [disturbed, calm], limit=500.0)
+    assert (round(median.value), round(p99.value), round(p999.value), highest.value) == (500, 990, 999, 1000.0)
+    assert everything.value == 5000.0
+    assert p99.limit == 500.0
+    assert not p99.good

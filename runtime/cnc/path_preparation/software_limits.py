@@ -39,7 +39,8 @@ def _reach(arc: Arc) -> tuple[Floats, Floats]:
 
 
 class SoftwareLimits:
-    """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no limit.
+    """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no
+    limit.
 
     Raises SoftwareLimitError before it yields the block that would leave the range.
     """

@@ -30,8 +30,8 @@ BUS_UNSUPPORTED = ErrorEntry(
 BUS_NO_MULTICAST = ErrorEntry(
     303005,
     "multicast group {channel} cannot be reached: {reason}",
-    remedy="fieldbus.bus.channel must be a multicast address (224.0.0.0/4) and the computer needs a route to it: "
-    "ip route add 239.0.0.0/8 dev lo",
+    remedy="fieldbus.bus.channel must be a multicast address (224.0.0.0/4). With options.hop_limit 0 the group stays on "
+    "this computer and needs the loopback interface only (ip link set lo up); otherwise it needs a route.",
 )
 BUS_OPEN_FAILED = ErrorEntry(
     303006,
@@ -70,12 +70,6 @@ CYCLE_NOT_REPRESENTABLE = ErrorEntry(
     "a cycle of {period_us} µs cannot be given to the drives as interpolation period (1 to 255 times a power of ten)",
     remedy="choose a cycle like 1 ms, 2 ms, 500 µs",
 )
-MASTER_NODE_TAKEN = ErrorEntry(
-    303015,
-    "node id {node} of the master is also that of {owner}",
-    remedy="give fieldbus.bus.master_node another id",
-)
-
 # -- boot ------------------------------------------------------------------------------------------------------------
 OTHER_MASTER = ErrorEntry(
     303020,

@@ -24,7 +24,7 @@ AXIS_TRACKING = ErrorEntry(
     50025,
     "axis {axis} is in tracking although it shall be able to move: its drive is not enabled",
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check the drive's enable input and supply; does the PLC withdraw drive_on while a program runs? Then reset",
+    remedy="check the drive's enable input and supply; does the PLC take drive_on back while a program runs? Then reset",
     source="HLI, tracking mode",
 )
 PLC_NOT_RUNNING = ErrorEntry(
@@ -60,7 +60,6 @@ PROCESS_LOST = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="the journal has its last words; reset the channel to go on",
 )
-NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
 NOT_READY = ErrorEntry(
     306020,
     "drives and PLC are not ready after {seconds:.0f} s",
@@ -86,4 +85,10 @@ AXIS_MOVED = ErrorEntry(
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
     remedy="was it moved while the control was off? if not, check its encoder before the first move",
+)
+PATH_APART = ErrorEntry(
+    306025,
+    "the next block does not begin where the axes stand; nothing was moved",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="this is an error of the runtime; keep the program and report it",
 )
