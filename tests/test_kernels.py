@@ -35,7 +35,9 @@ def test_a_second_process_loads_what_the_first_has_compiled(tmp_path: Path) -> N
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     counts = [
-        subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True).stdout
+        subprocess.run(
+            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
+        ).stdout
         for _ in range(2)
     ]
     assert counts == ["0 1\n", "1 0\n"]
