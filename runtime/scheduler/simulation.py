@@ -10,13 +10,10 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    import can
 
 from runtime.cnc.block_json import rows
 from runtime.cnc.blocks import Block
