@@ -52,6 +52,7 @@ _MVS_SVS = int(Synch.MVS_SVS)
 _FUNCTION, _BLOCK_END = int(RecordKind.FUNCTION), int(RecordKind.BLOCK_END)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
+_AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
 _WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
 _WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
@@ -80,6 +81,7 @@ class ChannelInputs:
 
     override: float = 1.0
     feed_hold: bool = False
+    axis_feed_hold: bool = False  # of an axis that takes part
     single_block: bool = False
     optional_stop: bool = False
     continue_motion: bool = False
@@ -207,8 +209,8 @@ class Channel:
 
     @property
     def held(self) -> bool:
-        """Feed hold is on and the path stands."""
-        return bool(self.stop_condition & _FEED_HOLD) and self.interpolator.standstill
+        """Feed hold is on, of the channel or of an axis, and the path stands."""
+        return bool(self.stop_condition & (_FEED_HOLD | _AXIS_FEED_HOLD)) and self.interpolator.standstill
 
     @property
     def waiting_functions(self) -> int:
@@ -242,6 +244,8 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
+        if inputs.axis_feed_hold:
+            stop |= _AXIS_FEED_HOLD
         if not axes_ready:
             stop |= _AXIS_NOT_READY
         if self._overflow:

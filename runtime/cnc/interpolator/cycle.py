@@ -24,6 +24,7 @@ from runtime.cnc.interpolator.lookahead import (
     HORIZON,
     KNOWN_END,
     LINE,
+    RELEASED,
     SHARPLY,
     SINGLE_GATE,
     VALID,
@@ -48,7 +49,8 @@ FLOAT_STATE = 8
 # state, integer
 CUR, REPORTED, OPENED, HORIZON_ALL, SINGLE_GATE_AT, SCANNED, NEXT_GATE, NEXT_FUNCTION = 0, 1, 2, 3, 4, 5, 6, 7
 GATE_INDEX, AT_GATE, FUNCTIONS, PASSED_COUNT, STANDSTILL, STARVED, STARTED, ENDED = 8, 9, 10, 11, 12, 13, 14, 15
-ABORTING, APART, SHOWN, BRAKED, HORIZON_ZONES = 16, 17, 18, 19, 20
+# gates up to OPENED are open; block ends of single block up to BLOCKS_RELEASED: a gate far ahead may be open long before
+ABORTING, APART, SHOWN, BRAKED, HORIZON_ZONES, BLOCKS_RELEASED = 16, 17, 18, 19, 20, 21
 INT_STATE = 24
 
 
@@ -58,7 +60,7 @@ def walk(records: Records, written: int, n: int, single_block: bool, f: Floats, 
     size = records.shape[0]
     while i[CUR] < written:
         r = records[i[CUR] % size]
-        held = single_block and i[CUR] == i[SINGLE_GATE_AT] and i[CUR] > i[OPENED]
+        held = single_block and i[CUR] == i[SINGLE_GATE_AT] and i[CUR] > i[BLOCKS_RELEASED]
         if r["kind"] <= ARC:
             if f[S_IN] == 0.0 and f[V] == 0.0:
                 for k in range(n):
@@ -118,7 +120,7 @@ def search(records: Records, written: int, single_block: bool, i: Ints) -> None:
     while i[NEXT_FUNCTION] < end and records[i[NEXT_FUNCTION] % size]["kind"] != FUNCTION:
         i[NEXT_FUNCTION] += 1
     gate = i[NEXT_GATE]
-    if single_block and i[SINGLE_GATE_AT] > i[OPENED] and (gate < 0 or i[SINGLE_GATE_AT] < gate):
+    if single_block and i[SINGLE_GATE_AT] > i[BLOCKS_RELEASED] and (gate < 0 or i[SINGLE_GATE_AT] < gate):
         gate = i[SINGLE_GATE_AT]
     i[GATE_INDEX] = gate
     found = i[NEXT_FUNCTION] < written and records[i[NEXT_FUNCTION] % size]["kind"] == FUNCTION
@@ -146,7 +148,7 @@ def cycle(
     size = records.shape[0]
     counters[1] = max(counters[1], min(i[REPORTED], i[CUR]))  # free what was told in the cycle before
     written = counters[0]
-    if not single_block or i[SINGLE_GATE_AT] <= i[OPENED]:
+    if not single_block or i[SINGLE_GATE_AT] <= i[BLOCKS_RELEASED]:
         i[SINGLE_GATE_AT] = -1
     walk(records, written, n, single_block, f, i, q)
     for k in range(n):
@@ -161,6 +163,7 @@ def cycle(
         for mode in range(2):
             whole[mode, 3, HORIZON] = i[HORIZON_ALL] if mode == 0 else i[HORIZON_ZONES]
             whole[mode, 3, SINGLE_GATE] = i[SINGLE_GATE_AT]
+            whole[mode, 3, RELEASED] = i[BLOCKS_RELEASED]
         count = look_ahead(
             records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1, i[OPENED],
             single_block, False, whole[0, 3], whole[0, 0], real[0, 0], real[0, 1], real[0, 2], real[0, 3], real[0, 4],

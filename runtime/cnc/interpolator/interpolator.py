@@ -59,7 +59,7 @@ class Interpolator:
         read = self.queue.read
         for place in (c.CUR, c.REPORTED, c.HORIZON_ALL, c.HORIZON_ZONES, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
             self._i[place] = read
-        self._i[c.OPENED] = read - 1
+        self._i[c.OPENED] = self._i[c.BLOCKS_RELEASED] = read - 1
         for place in (c.SINGLE_GATE_AT, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
             self._i[place] = -1
         self._i[c.STANDSTILL] = 1
@@ -177,7 +177,8 @@ class Interpolator:
     def open_gate(self) -> None:
         """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step."""
         if self._i[c.GATE_INDEX] >= 0:
-            self._i[c.OPENED] = self._i[c.GATE_INDEX]
+            single = self._i[c.GATE_INDEX] == self._i[c.SINGLE_GATE_AT]
+            self._i[c.BLOCKS_RELEASED if single else c.OPENED] = self._i[c.GATE_INDEX]
             self._i[c.GATE_INDEX] = -1
             self._i[c.AT_GATE] = 0
 

@@ -67,7 +67,7 @@ def wanted_speed(rapid: int, feed: float, v_limit: float, override: float) -> fl
 
 
 # places
-HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE = 0, 1, 2, 3, 4, 5, 6
+HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE, RELEASED = 0, 1, 2, 3, 4, 5, 6, 7
 
 
 @kernel
@@ -197,8 +197,12 @@ def collect(
                         v_top = np.inf
                 way += r["length"]
         gate = what == GATE and e > opened
-        if single_block and e > opened and moving and (what == BLOCK_END or r["block_end"] == 1):
-            if places[SINGLE_GATE] < 0 and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way):
+        if single_block and e > places[RELEASED] and (what == BLOCK_END or r["block_end"] == 1):
+            if (
+                places[SINGLE_GATE] < 0
+                and moving
+                and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way)
+            ):
                 places[SINGLE_GATE] = e  # the first block end where stopping is possible
             gate = gate or e == places[SINGLE_GATE]
         if gate:
@@ -340,6 +344,7 @@ def look_ahead(
     """Fill the constraints seen from `s_in` in record `cur`; returns their number, 0 if no motion is known.
 
     `places`: [HORIZON] the accepted horizon (absolute index), [SINGLE_GATE] the gate of single block or -1,
+    [RELEASED] the last block end at which the operator said continue,
     [KNOWN_END] becomes the constraint that is the end of what is known or -1, [SHARPLY] whether there are zones,
     [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen. `up` becomes (A, J) for
     accelerating in this cycle.
