@@ -85,6 +85,9 @@ class DriveSystem(Protocol):
     def write(self) -> None:
         """End of a cycle: send the set-points. Never blocks, never raises."""
 
+    def tell_again(self) -> None:
+        """After a reset: what is still lost becomes an event again. Never blocks, never raises."""
+
     def stop(self) -> None:
         """Disable the drives in order and leave the bus; blocks for a bounded time, never raises."""
 
@@ -119,6 +122,9 @@ class IdealDrives:
 
     def write(self) -> None:
         """Nothing to send: the set-points are taken at the next read."""
+
+    def tell_again(self) -> None:
+        """Nothing is ever lost."""
 
     def stop(self) -> None:
         self.image.state[:] = DriveState.SWITCH_ON_DISABLED

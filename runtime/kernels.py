@@ -7,12 +7,18 @@ enabled: never in the cycle.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
 
+from runtime.kernel_cache import find_cache
+
 F = TypeVar("F", bound=Callable[..., Any])
+
+CACHE = find_cache(os.environ)
+setattr(numba.config, "CACHE_DIR", str(CACHE.folder))  # noqa: B010 - mypy does not see it there
 
 _WARM_UPS: list[tuple[str, Callable[[], None]]] = []
 
@@ -34,7 +40,8 @@ def warms(name: str) -> Callable[[Callable[[], None]], Callable[[], None]]:
 
 def warm_up(progress: Callable[[str, int, int], None] | None = None) -> None:
     """Run all registered warm-ups; `progress(name, done, total)` is told before each."""
-    for done, (name, call) in enumerate(_WARM_UPS):
-        if progress:
-            progress(name, done, len(_WARM_UPS))
-        call()
+    with CACHE.filling():
+        for done, (name, call) in enumerate(_WARM_UPS):
+            if progress:
+                progress(name, done, len(_WARM_UPS))
+            call()

@@ -40,6 +40,7 @@ def command(
     ] = None,
 ) -> None:
     """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
+    from runtime.cli.preparing import prepare_kernels
     from runtime.config import load_machine
     from runtime.scheduler.journal import open_journal
     from runtime.scheduler.session import Session
@@ -49,7 +50,7 @@ def command(
         program = program or DEMO_PROGRAM
         plot = plot or Path("tandem-demo.png")
     machine = load_machine(config)
-    _warm_kernels()
+    prepare_kernels(dict(os.environ))
     options = RunOptions(config, name, dialect, simulated_drives or config is None)
     session = Session(machine, options, open_journal(os.environ, sys.stderr))
     stop = False
@@ -81,25 +82,6 @@ def command(
     if program is not None:
         code = _summary(session, machine, program, plot) or code
     raise typer.Exit(code)
-
-
-def _warm_kernels() -> None:
-    """Compile the kernels, or load them from the cache; a line of progress only if it takes a while."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
-    from runtime.kernels import warm_up
-
-    columns = (TextColumn("preparing kernels"), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=False) as bar:
-        task = bar.add_task("", total=1)
-
-        def tell(what: str, done: int, total: int) -> None:
-            bar.update(task, description=what, completed=done, total=total)
-
-        warm_up(tell)
-        bar.update(task, description="ready", completed=1, total=1)
 
 
 def _summary(session: Session, machine: Machine, program: Path, plot: Path | None) -> int:

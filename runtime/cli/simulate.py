@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -22,6 +23,7 @@ def command(
     watch: Annotated[list[str] | None, typer.Option(help="a V. variable for the summary (not in this version)")] = None,
 ) -> None:
     """Run a program in virtual time, as fast as the computer can; exit code 1 if it ends with an error."""
+    from runtime.cli.preparing import prepare_kernels
     from runtime.config import load_machine
     from runtime.diagnostics.catalogue import system
     from runtime.diagnostics.errors import TandemError
@@ -30,6 +32,7 @@ def command(
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="there are no V. variables yet")
     machine = load_machine(config)
+    prepare_kernels(dict(os.environ))
     simulation = Simulation(
         machine,
         ideal_axes=ideal_axes,

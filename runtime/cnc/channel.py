@@ -25,7 +25,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
-from runtime.diagnostics.catalogue import CATALOGUE, machine
+from runtime.diagnostics.catalogue import CATALOGUE, machine, motion
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.layout import StopCondition
@@ -251,14 +251,19 @@ class Channel:
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
+        if path.apart and self.error is None:
+            self._tell_gap()
         for index in path.passed:
             self._pass(index)
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
-        if self.phase is Phase.ABORTING and path.aborted:
+        if path.apart and self.phase is Phase.RUNNING:
+            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
             self._clear()
-        elif self.phase is Phase.RUNNING and path.starved:
+        elif self.phase is Phase.ABORTING and path.aborted:
+            self._clear()
+        elif self.phase is Phase.RUNNING and (path.starved or self._failed_at_once()):
             stop |= self._out_of_blocks()
         if stop != self.stop_condition:
             standing = stop & ~_OVERRIDE_ZERO
@@ -273,14 +278,29 @@ class Channel:
             self._clear()
         return _NO_BLOCKS
 
+    def _tell_gap(self) -> None:
+        """The next element does not start where the axes stand: nothing has moved, and nothing will."""
+        record = self.queue.record(self.interpolator.next_index)
+        position = self.interpolator.position
+        gap = np.abs(record["start"][: len(position)] - position)
+        axis = int(np.argmax(gap))
+        values = {"axis": axis + 1, "position": float(record["start"][axis]), "end": float(position[axis])}
+        self.problems.append(Problem(motion.PATH_GAP, values, Place(self.program, int(record["line"]))))
+        self.error = motion.PATH_GAP
+
+    def _failed_at_once(self) -> bool:
+        """The preparation has failed before it handed over anything: file missing, error found by the check of the file."""
+        return self.interpolator.nothing_known and self.link.state is PreparationState.FAILED
+
     def _tell_failure(self) -> None:
         if self.link.state is PreparationState.FAILED and not self._told_failure:
             self._told_failure = True
-            problem_id, line, text = self.link.problem
-            entry = CATALOGUE.get(problem_id, machine.PREPARATION_SILENT)
+            failure = self.link.problem
+            entry = CATALOGUE.get(failure.id, machine.PREPARATION_SILENT)
             told = ErrorEntry(entry.id, "{text}", entry.severity, Reaction.NONE, entry.remedy)
             self.error = told
-            self.problems.append(Problem(told, {"text": text}, Place(self.program, line)))
+            place = Place(failure.file or self.program, failure.line, failure.column)
+            self.problems.append(Problem(told, {"text": failure.text}, place))
 
     def _cleared(self) -> None:
         self._tell_failure()

@@ -8,8 +8,9 @@ A ring of fixed records, one producer and one consumer, in shared memory or in t
                       └────────────────────────────────────────────┘
                       ▲ consumer frees here                        ▲ producer appends here
 
-Indices only grow. A counter is stored after the records it covers (x86-64 keeps the order of stores), so neither side ever
-sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says how much.
+Indices only grow. A counter is stored after the records it covers (x86-64 keeps the order of stores), so neither side
+ever sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says
+how much.
 
 Units: mm or degrees, per second; angles of arcs in radians.
 """
@@ -95,7 +96,7 @@ _NAMES = PROGRAMS * PROGRAM_NAME
 
 
 class MotionQueue:
-    """The ring. `name` is that of the shared memory (none: private); `create` makes it, otherwise a running one is opened."""
+    """The ring. `name`: of the shared memory (None: private); `create` makes it, otherwise a running one is opened."""
 
     def __init__(self, n_axes: int, name: str | None = None, create: bool = True, capacity: int = CAPACITY) -> None:
         if not 1 <= n_axes <= MAX_AXES:

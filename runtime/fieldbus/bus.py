@@ -41,6 +41,7 @@ INTERFACES: Final[dict[str, Callable[..., can.BusABC]]] = {
 SIOCGIFFLAGS: Final = 0x8913
 INTERFACE_UP: Final = 0x1
 _MULTICAST_ONLY = (catalogue.BUS_NO_MULTICAST,)
+_NO_GROUP = (errno.ENODEV, errno.ENXIO, errno.ENETDOWN)  # of a group: there is no interface that it could be joined on
 
 
 def open_bus(config: Bus) -> can.BusABC:
@@ -100,6 +101,8 @@ def _translate(config: Bus, error: Exception) -> FieldbusError:
     while cause is not None:
         code = getattr(cause, "errno", None) or getattr(cause, "error_code", None)
         entry = _BY_ERRNO.get(code or 0)
+        if config.interface == "udp_multicast" and code in _NO_GROUP:
+            entry = catalogue.BUS_NO_MULTICAST
         if entry and (config.interface == "udp_multicast" or entry not in _MULTICAST_ONLY):
             return _problem(entry, config, str(cause))
         cause = cause.__cause__

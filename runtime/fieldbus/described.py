@@ -46,10 +46,6 @@ def make_links(machine: Machine) -> Links:
                 raise FieldbusError(
                     catalogue.TOO_MANY_BITS, node=io.node, bits=bits, direction=text, limit=DIGITAL_BYTES * 8
                 )
-    master = machine.fieldbus.bus.master_node
-    for link in links:
-        if link.node == master:
-            raise FieldbusError(catalogue.MASTER_NODE_TAKEN, node=master, owner=link.owner)
     return links
 
 

@@ -49,6 +49,7 @@ class NodeLink:
     last_heartbeat: float = 0.0  # s
     last_data: float = 0.0  # s
     lost: bool = False
+    loss: DriveEvent | None = None  # how it was lost
 
     def plan(self, direction: Direction, number: int = 1) -> PdoPlan | None:
         return next((p for p in self.layouts if p.direction is direction and p.number == number), None)

@@ -79,7 +79,7 @@ class CanopenMaster:
     def _forget(self) -> None:
         """The state before the first cycle."""
         self._running = False
-        self._gone = False
+        self._gone: DriveEvent | None = None
         self._watching = False
         self._failed = False  # an error of the bus in this cycle
         self._failures = 0
@@ -290,7 +290,8 @@ class CanopenMaster:
         if link.lost:
             return
         link.lost = True
-        self.image.events.append(link.event(error_id, code))
+        link.loss = link.event(error_id, code)
+        self.image.events.append(link.loss)
         if isinstance(link, DriveLink):
             link.control.lose()
             self.image.state[link.axis] = DriveState.OFFLINE
@@ -333,7 +334,7 @@ class CanopenMaster:
             self._bus_gone(catalogue.BUS_GONE.id, code)
 
     def _bus_gone(self, error_id: int, code: int) -> None:
-        self._gone = True
+        self._gone = DriveEvent(error_id, -1, 0, code)
         for link in self._links:
             link.lost = True
         for drive in self._drives:
@@ -342,7 +343,14 @@ class CanopenMaster:
             self.image.actual_velocity[drive.axis] = 0.0
         self._publish_inputs()
         self.image.bus_load = 0.0
-        self.image.events.append(DriveEvent(error_id, -1, 0, code))
+        self.image.events.append(self._gone)
+
+    def tell_again(self) -> None:
+        """After a reset: only `start` brings lost nodes back, so the machine must not go on without them."""
+        if self._gone is not None:
+            self.image.events.append(self._gone)
+            return
+        self.image.events.extend(link.loss for link in self._links if link.loss is not None)
 
     # -- the end -----------------------------------------------------------------------------------------------------
 

@@ -41,13 +41,14 @@ from runtime.scheduler.plc_link import PlcPartner, PlcSupervision
 from runtime.scheduler.publish import Publisher
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 _ENABLED = int(DriveState.OPERATION_ENABLED)
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
     FAULT_OFFLINE: alarms.DRIVE_OFFLINE,
     FAULT_LAG: alarms.FOLLOWING_ERROR,
-    FAULT_DROPPED: alarms.DRIVE_DROPPED,
+    FAULT_DROPPED: alarms.AXIS_TRACKING,
 }
 
 
@@ -102,7 +103,9 @@ class Controller:
         self._states: list[int] = drives.image.state.tolist()
         self._enabled = [state == _ENABLED for state in self._states]
         self._path_enabled = False
+        self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
         self._process_lost_before = 0
+        self._astray: set[int] = set()  # path axes that were lost while the program ran
         self._stopping = False
         self._moving_before = False
 
@@ -132,18 +135,24 @@ class Controller:
         ready = self._path_enabled and self.orders.axes_released
         self.channel.step(self.orders.inputs, ready, image.actual_velocity, self.time, self.cycle_number)
         if self.channel.active:
-            if self._path_enabled:
+            if self._path_enabled and not self._astray:
                 image.target_position[self._path_axes] = self.interpolator.position
             else:  # an axis without its drive tracks, the others still brake on the path
-                for k, i in enumerate(self._path_list):
-                    if enabled[i]:
-                        image.target_position[i] = self.interpolator.position[k]
+                self._brake_without_lost_axes(enabled)
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
         if self.channel.problems:
             for problem in self._take_problems():
                 self.alarm(problem)
+
+    def _brake_without_lost_axes(self, enabled: list[bool]) -> None:
+        """An axis that has left the path stays off it until the program is over: going back to it would be a jump."""
+        for k, i in enumerate(self._path_list):
+            if not enabled[i]:
+                self._astray.add(i)
+            elif i not in self._astray:
+                self.drives.image.target_position[i] = self.interpolator.position[k]
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []
@@ -155,13 +164,25 @@ class Controller:
 
     def _watch_axes(self) -> None:
         image = self.drives.image
+        self._follow_states()
         wanted = self._none_on if self._stopping and self._at_rest() else self.orders.drives_on
+        while image.events:  # before the axes are judged: the bus knows the cause
+            event = image.events.popleft()
+            problem = problem_of(event, self.machine)
+            if problem.entry.reaction >= Reaction.STOP_ON_PATH:
+                if event.axis >= 0:
+                    self._told[event.axis] = True
+                elif event.node == 0:  # the bus itself
+                    self._told[:] = True
+            self.alarm(problem, event.axis)
         for fault in self.supervision.monitor(wanted):
             self._axis_fault(fault)
-        while image.events:
-            event = image.events.popleft()
-            self.alarm(problem_of(event, self.machine), event.axis)
-        states = image.state.tolist()
+        if not self._path_enabled:
+            self._watch_tracking(wanted)
+
+    def _follow_states(self) -> None:
+        """An event for each drive that has changed its state."""
+        states = self.drives.image.state.tolist()
         if states == self._states:
             return
         for i, (before, state) in enumerate(zip(self._states, states, strict=True)):
@@ -171,8 +192,20 @@ class Controller:
         self._enabled = [state == _ENABLED for state in states]
         self._path_enabled = all(self._enabled[i] for i in self._path_list)
 
+    def _watch_tracking(self, wanted: Flags) -> None:
+        """A program cannot go on with an axis that was switched off: it would jump when it is switched on again."""
+        if not self.channel.active or self.channel.error is not None or self._stopping:
+            return
+        for i in self._path_list:
+            if not wanted[i] and not self._enabled[i]:
+                self.alarm(Problem(alarms.AXIS_TRACKING, {"axis": self.machine.axes[i].name}), i)
+                return
+
     def _axis_fault(self, fault: AxisFault) -> None:
         axis = self.machine.axes[fault.axis]
+        if self._told[fault.axis] and fault.kind != FAULT_LAG:
+            self._react(_FAULTS[fault.kind])
+            return
         values: dict[str, object] = {
             "axis": axis.name,
             "code": int(fault.value),
@@ -225,6 +258,7 @@ class Controller:
             self.alarm(problem)
             return
         position = self.drives.image.target_position[self._path_axes].copy()
+        self._astray.clear()
         self.publisher.program(program)
         self.channel.start(program, position, self.orders.skip_levels)
 
@@ -258,6 +292,8 @@ class Controller:
         self.channel.reset()
         self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
         self.alarms.acknowledge()
+        self._told[:] = False
+        self.drives.tell_again()
         if self.plc is not None:
             self.plc.restart()
         self._event(EventKind.RESET)

@@ -15,7 +15,9 @@ from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity
 from runtime.diagnostics.events import Event, EventKind
-from runtime.hli.layout import Hli, Mode, State, StopCondition
+from runtime.hli.errors import HliError
+from runtime.hli.layout import Hli, State, StopCondition
+from runtime.hli.operator import Operator, OrderRefusedError
 from runtime.hli.units import LENGTH, SPEED
 from runtime.scheduler.journal import Journal
 from runtime.scheduler.supervisor import RunOptions, Supervisor
@@ -97,15 +99,15 @@ class Session:
         enabled = all(hli.axes[i].status.ready_for_control_loop_on_r for i in range(hli.head.axes_r))
         plc = hli.platform.plc_running_r or not self.machine.plc.program
         if enabled and plc:
-            operator = hli.operator[0]
-            operator.order_w.to_mode, operator.order_w.to_state = Mode.AUTOMATIC, State.ACTIVE
-            operator.order_w.parameter = str(self._program).encode()
-            operator.order_semaphor_rw = True
+            assert self.supervisor.memory is not None
             self._ordered = True
             self._started_at = time.monotonic()
+            try:
+                Operator(self.supervisor.memory, time.sleep).start(str(self._program))
+            except (OrderRefusedError, HliError) as error:
+                self._end(hli, str(error.problem))
         elif time.monotonic() > self._deadline:
-            self._problems.append(str(Problem(alarms.NOT_READY, {"seconds": _READY_LIMIT})))
-            self.program_done = True
+            self._end(hli, str(Problem(alarms.NOT_READY, {"seconds": _READY_LIMIT})))
 
     def _follow(self, hli: Hli, state: int) -> None:
         active = state in (State.ACTIVE, State.HOLD)
@@ -113,14 +115,19 @@ class Session:
             self._was_active = True
             self._path_length = hli.channels[0].status.path_position_r * LENGTH
             self._sample(hli)
-        refused = not hli.operator[0].order_semaphor_rw and hli.operator[0].answer_r != 0
-        if (self._was_active and not active) or refused or state == State.ERROR:
-            self._ended_at = time.monotonic()
-            self._positions = self._axis_positions(hli)
-            if self.supervisor.statistics is not None:
-                work = self.supervisor.statistics.work
-                self._quantiles = (work.quantile(0.5) * 1e6, work.quantile(0.99) * 1e6)
-            self.program_done = True
+        if (self._was_active and not active) or state == State.ERROR:
+            self._end(hli)
+
+    def _end(self, hli: Hli, problem: str = "") -> None:
+        """The program has ended, or cannot begin because of a `problem`."""
+        if problem:
+            self._problems.append(problem)
+        self._ended_at = time.monotonic()
+        self._positions = self._axis_positions(hli)
+        if self.supervisor.statistics is not None:
+            work = self.supervisor.statistics.work
+            self._quantiles = (work.quantile(0.5) * 1e6, work.quantile(0.99) * 1e6)
+        self.program_done = True
 
     def _axis_positions(self, hli: Hli) -> dict[str, float]:
         return {

@@ -272,13 +272,6 @@ def test_too_many_bits_for_the_image() -> None:
         assert "576" in refused(rig, catalogue.TOO_MANY_BITS)
 
 
-def test_the_masters_node_id_is_its_own() -> None:
-    description = demo_description()
-    description["fieldbus"]["bus"]["master_node"] = 10
-    with Rig(description, nodes=False) as rig:
-        assert "I/O node 0" in refused(rig, catalogue.MASTER_NODE_TAKEN)
-
-
 @pytest.mark.parametrize(
     ("period", "expected"),
     [(0.001, (1, -3)), (0.002, (2, -3)), (0.00025, (25, -5)), (0.0005, (5, -4)), (0.01, (10, -3))],

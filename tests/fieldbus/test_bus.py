@@ -58,6 +58,31 @@ def test_multicast_carries_frames_between_two_and_has_no_echo(multicast: dict[st
         assert one.recv(0.05) is None
 
 
+@pytest.mark.parametrize(("code", "hop_limit"), [(errno.ENODEV, 0), (errno.ENETDOWN, 1), (errno.ENETUNREACH, 1)])
+def test_a_group_that_cannot_be_joined(monkeypatch: pytest.MonkeyPatch, code: int, hop_limit: int) -> None:
+    def join(self: object, *_: object) -> None:
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(MulticastBus, "_join", join)
+    config = Bus(interface="udp_multicast", channel="239.1.2.3", options={"hop_limit": hop_limit})
+    assert os.strerror(code) in refused(config, catalogue.BUS_NO_MULTICAST)
+
+
+def test_a_group_of_this_computer_needs_no_network_card(multicast: dict[str, Any]) -> None:
+    """Somebody who joined it on the loopback interface only hears it."""
+    loopback = socket.inet_aton("127.0.0.1")
+    with open_bus(Bus(**multicast)) as bus, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        listener.setsockopt(socket.IPPROTO_IP, 49, 0)  # IP_MULTICAST_ALL, ip(7): only what was joined here
+        listener.bind(("", port()))
+        group = socket.inet_aton(multicast["channel"])
+        listener.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + loopback)
+        listener.settimeout(5.0)
+        bus.send(can.Message(arbitration_id=0x182, data=b"\x03", is_extended_id=False))
+        assert b"arbitration_id" in listener.recv(4096)
+
+
 def test_multicast_ignores_what_is_no_frame(multicast: dict[str, Any]) -> None:
     with open_bus(Bus(**multicast)) as bus, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         while bus.recv(0.05):

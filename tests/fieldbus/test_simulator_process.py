@@ -92,7 +92,8 @@ def test_two_processes_and_a_killed_one(processes: Processes, description: dict[
 
         def arrived() -> bool:
             image.target_position[0] = min(image.target_position[0] + 0.5, 10.0)
-            return bool(abs(image.actual_position[0] - 10.0) < 1e-3)
+            settled = abs(image.actual_velocity[0]) < 0.1  # not on its way through
+            return bool(settled and abs(image.actual_position[0] - 10.0) < 1e-3)
 
         assert cycle_until(master, period, arrived)
         process.send_signal(signal.SIGKILL)

@@ -18,6 +18,7 @@ from runtime.kernels import kernel, warms
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 States = npt.NDArray[np.int8]
+Ints = npt.NDArray[np.int64]
 
 FAULT_DRIVE = 1  # the drive is in fault or fault reaction
 FAULT_OFFLINE = 2  # the node does not answer
@@ -43,27 +44,31 @@ def _supervise(
     was_enabled: Flags,
     linear: Flags,
     lag_limit: Floats,
-    resetting: bool,
+    quick_stop: Flags,
+    grace: Ints,
+    leave: Flags,
     faults: States,
     lag: Floats,
     new: States,
 ) -> int:
     """Fill `lag`, `faults` (0 or FAULT_*) and `enable`, let axes that are not enabled track, keep `was_enabled`.
 
-    Returns how many axes have a new fault; `new` tells which. While `resetting` nothing is a fault.
+    `leave`: the drive must first leave its enabled state, so that the axis takes over its position before it runs again.
+    Returns how many axes have a new fault; `new` tells which. While an axis has `grace` (cycles) nothing is a fault of it.
     """
     count = 0
     for i in range(target.shape[0]):
         enabled = state[i] == 5  # OPERATION_ENABLED
         lag[i] = target[i] - actual[i] if linear[i] and enabled else 0.0
         found = 0
-        if resetting:
+        if grace[i] > 0:
+            grace[i] -= 1
             faults[i] = 0
         elif state[i] == 0 and wanted[i]:
             found = FAULT_OFFLINE
         elif state[i] >= 7:
             found = FAULT_DRIVE
-        elif was_enabled[i] and wanted[i] and not enabled:
+        elif was_enabled[i] and wanted[i] and not enabled and not quick_stop[i]:
             found = FAULT_DROPPED
         elif abs(lag[i]) > lag_limit[i]:
             found = FAULT_LAG
@@ -71,18 +76,21 @@ def _supervise(
         if found != 0 and faults[i] == 0:
             faults[i] = found
             new[i] = 1
+            leave[i] = True
             count += 1
         was_enabled[i] = enabled
-        enable[i] = wanted[i] and faults[i] == 0
         if not enabled:
             target[i] = actual[i]
+            leave[i] = False
+        enable[i] = wanted[i] and faults[i] == 0 and not leave[i]
     return count
 
 
 @warms("axis monitoring")
 def _warm() -> None:
     floats, flags, states = np.ones(1), np.zeros(1, dtype=np.bool_), np.zeros(1, dtype=np.int8)
-    _supervise(floats, floats, states, flags, flags, flags, flags, floats, False, states, floats, states)
+    grace = np.zeros(1, dtype=np.int64)
+    _supervise(floats, floats, states, flags, flags, flags, flags, floats, flags, grace, flags, states, floats, states)
 
 
 class AxisSupervision:
@@ -98,7 +106,8 @@ class AxisSupervision:
         self.window: Floats = np.array([axis.in_position for axis in machine.axes])  # of standstill
         self._was_enabled: Flags = np.zeros(n, dtype=np.bool_)
         self._new: States = np.zeros(n, dtype=np.int8)
-        self._resetting = 0
+        self._leave: Flags = np.zeros(n, dtype=np.bool_)
+        self._grace: Ints = np.zeros(n, dtype=np.int64)  # cycles until an axis that was reset is judged again
 
     @property
     def enabled(self) -> Flags:
@@ -117,11 +126,7 @@ class AxisSupervision:
         `wanted` (n,): the drives that shall be on. An axis in fault is not enabled until it is reset.
         """
         image = self.image
-        resetting = self._resetting > 0
-        if resetting:
-            self._resetting -= 1
-            if self._resetting == 0:
-                image.reset_fault[:] = False
+        image.reset_fault &= self._grace > 1
         count = _supervise(
             image.target_position,
             image.actual_position,
@@ -131,7 +136,9 @@ class AxisSupervision:
             self._was_enabled,
             self._linear,
             self._lag_limit,
-            resetting,
+            image.quick_stop,
+            self._grace,
+            self._leave,
             self.faults,
             self.lag,
             self._new,
@@ -149,9 +156,10 @@ class AxisSupervision:
         self.image.quick_stop[:] = True
 
     def reset(self, cycles: int) -> None:
-        """Acknowledge faults; the drives get `cycles` cycles before they are judged again."""
-        self.image.quick_stop[:] = False
-        self.image.reset_fault[:] = True
+        """Acknowledge faults; drives that do not run get `cycles` cycles before they are judged again, the others none."""
+        image = self.image
+        image.quick_stop[:] = False
+        image.reset_fault[:] = True
+        self._grace[:] = np.where((self.faults != 0) | ~self.enabled, cycles, 0)
+        self._was_enabled &= self._grace == 0
         self.faults[:] = 0
-        self._was_enabled[:] = False
-        self._resetting = cycles

@@ -107,8 +107,8 @@ def functions_of(
 def _spindle(functions: Functions, synch: Synch, number: int, modal: ModalState, source: Source, column: int) -> None:
     """A function of the main spindle: for the spindle axis, and with PLC_INFO for the PLC too.
 
-    With NO_SYNCH the kernel of the manual does not execute it (programming manual, chapter 15.2.1.1). A spindle that keeps turning
-    after an M5 is no way to run a machine, so here that is an error.
+    With NO_SYNCH the kernel of the manual does not execute it (programming manual, chapter 15.2.1.1). A spindle that
+    goes on turning after an M5 is no way to run a machine, so here that is an error.
     """
     if synch & ~Synch.PLC_INFO == Synch.NO_SYNCH:
         raise LineError(catalogue.SPINDLE_NO_SYNCH, column, word=f"M{number}" if number else "S")

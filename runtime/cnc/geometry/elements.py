@@ -3,8 +3,9 @@
     share 0 ───────────────── share 1          q   position of the axes, mm or degrees
     start      q(s), q'(s)        end          q'  its derivative by the path length s (1, or degrees per mm)
 
-An arc turns the radius vector of its start about the centre. What is missing at the end to the programmed end (rounding of
-the program, slightly different radii) is added in proportion to the share, so that the end is met exactly and nothing jumps.
+An arc turns the radius vector of its start about the centre. What is missing at the end to the programmed end
+(rounding of the program, slightly different radii) is added in proportion to the share, so that the end is met
+exactly and nothing jumps.
 """
 
 from __future__ import annotations

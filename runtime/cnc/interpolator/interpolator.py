@@ -5,8 +5,8 @@
     for index in interpolator.passed: ...put out functions, tell block ends...
     if interpolator.gate >= 0 and acknowledged: interpolator.open_gate()
 
-Everything that must react at once (override, feed hold, gates, abort) is an argument of the next step; there is no other state
-than where the path is and how fast it goes.
+Everything that must react at once (override, feed hold, gates, abort) is an argument of the next step; there is no
+other state than where the path is and how fast it goes.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ GREATEST_OVERRIDE = 2.0
 class Interpolator:
     """Follows the path in `queue`, one `period` (s) per step, from machine `position` (n_axes,).
 
-    The limits of the axes are in the records of the queue (`path_preparation`); `axes` has to be what they were made with.
-    `position` and `velocity` (n_axes,) are arrays of this object that each step overwrites: copy what is to be kept.
+    The limits of the axes are in the records of the queue (`path_preparation`); `axes` has to be what they were made
+    with. `position` and `velocity` (n_axes,) are arrays of this object that each step overwrites: copy what is to be
+    kept.
     """
 
     def __init__(self, queue: MotionQueue, axes: AxisLimits, period: float, position: Floats) -> None:
@@ -56,10 +57,10 @@ class Interpolator:
         self._dq[:] = 0.0
         self._q[: self._n] = position
         read = self.queue.read
-        for place in (c.CUR, c.REPORTED, c.HORIZON, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
+        for place in (c.CUR, c.REPORTED, c.HORIZON_ALL, c.HORIZON_ZONES, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
             self._i[place] = read
         self._i[c.OPENED] = read - 1
-        for place in (c.SINGLE_GATE, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
+        for place in (c.SINGLE_GATE_AT, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
             self._i[place] = -1
         self._i[c.STANDSTILL] = 1
         self._shown = (-1, 0, -1, -1)
@@ -148,7 +149,8 @@ class Interpolator:
     def passed(self) -> Sequence[int]:
         """Absolute indices of the functions, element ends and block ends passed in this step, in order.
 
-        At most 256; what was passed beyond that is told in the next steps. Their records stay valid until the next step.
+        At most 256; what was passed beyond that is told in the next steps. Their records stay valid until the next
+        step.
         """
         return self._passed[: self._i[c.PASSED_COUNT]].tolist()  # type: ignore[no-any-return]
 
@@ -190,6 +192,16 @@ class Interpolator:
     def starved(self) -> bool:
         """Standing or braking because nothing more is known, in the middle of a program."""
         return bool(self._i[c.STARVED])
+
+    @property
+    def next_index(self) -> int:
+        """Absolute queue index of the record that is executed, or is the next one."""
+        return int(self._i[c.CUR])
+
+    @property
+    def nothing_known(self) -> bool:
+        """Everything in the queue has been executed, or there never was anything."""
+        return int(self._i[c.CUR]) >= self.queue.written
 
     @property
     def apart(self) -> bool:

@@ -7,27 +7,52 @@
      ├── as far as a braking from here can reach, and some cycles more ──┤
 
 In every cycle the elements ahead are walked once, as far as braking can reach from the fastest state of this cycle (a
-few hundred at most, one comparison each). Only what is slower than everything before it becomes a constraint; the limits
-(A, J) of a constraint are the smallest of all elements up to it, so that a braking may run across any borders.
+few hundred at most, one comparison each). Only what is slower than everything before it becomes a constraint; the
+limits (A, J) of a constraint are the smallest of all elements up to it, so that a braking may run across any borders.
 
-New elements are taken into the plan only if the present state is safe with them; until then the plan ends, with v = 0, where
-it ended before. So a plan that was safe stays safe whatever the preparation appends.
+New elements are taken into the plan only if the present state is safe with them; until then the plan ends, with v =
+0, where it ended before. So a plan that was safe stays safe whatever the preparation appends.
+
+Where the limits fall sharply (a line runs into a small arc) the smallest of all elements would be a bad judge of the
+braking before: the path is then also looked at in zones. Each zone counts with its own limits, and what lies in it
+and behind becomes one number, the speed at which its border may be crossed with zero acceleration:
+
+     ── zone 0: A 4000 ───▌─ zone 1: A 400 ─▌── zone 2 ──       v(1) = least over k in zone 1 of the speed from which
+                          v(1)              v(2)                     x_k is reached within d_k - d(1), and so for v(2)
+
+Both views are sufficient for safety; a cycle takes the faster of those that hold.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.profile import FEED, NOW, REDUCE, SLOWER, SPEED, STOP, brake_distance, can_release, slack
+from runtime.cnc.interpolator.profile import (
+    BORDER,
+    FEED,
+    NOW,
+    PLACE,
+    REDUCE,
+    SLOWER,
+    SPEED,
+    STOP,
+    brake_distance,
+    can_release,
+    slack,
+)
 from runtime.cnc.motion_queue import Records
 from runtime.kernels import kernel
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-ELEMENTS = 4096  # records walked in a cycle at most
-CONSTRAINTS = 2 * ELEMENTS + 8
+ELEMENTS = 2048  # records walked in a cycle at most
+CONSTRAINTS = 4 * ELEMENTS + 16
+ZONES = 32  # borders seen in a cycle at most
+SHARP = 0.8  # limits that fall below this share of those before begin a zone
 MARGIN = 16.0  # cycles of travel that the look-ahead sees beyond the braking distance
 
 LINE, ARC, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4
@@ -39,6 +64,252 @@ def wanted_speed(rapid: int, feed: float, v_limit: float, override: float) -> fl
     if rapid == 1:
         return v_limit * min(override, 1.0)
     return min(feed * override, v_limit)
+
+
+# places
+HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE = 0, 1, 2, 3, 4, 5, 6
+
+
+@kernel
+def entry_speed(d: float, x: float, A: float, J: float) -> float:
+    """Greatest velocity, with zero acceleration, from which `x` can be reached within `d`.
+
+    The inverse of `brake_distance` at a = 0. With u² the drop of velocity: (2x + u²) u = d √J while A is not reached
+    (Newton from above converges steadily, the left side is convex), else (2x + u²) (u²/A + A/J) = 2d.
+    """
+    root = d * math.sqrt(J)
+    u = math.pow(root, 1.0 / 3.0)
+    for _ in range(30):
+        step = (u * u * u + 2.0 * x * u - root) / (3.0 * u * u + 2.0 * x + 1e-300)
+        u -= step
+        if step < 1e-12 * u:
+            break
+    if u * u <= A * A / J:
+        return x + max(u * u * (1.0 - 1e-9) - 1e-12, 0.0)
+    b = 2.0 * x + A * A / J
+    c = 2.0 * d * A - 2.0 * x * A * A / J
+    return x + max(((math.sqrt(b * b + 4.0 * c) - b) / 2.0) * (1.0 - 1e-9), 0.0)
+
+
+@kernel
+def collect(
+    records: Records,
+    written: int,
+    last: int,
+    cur: int,
+    s_in: float,
+    v: float,
+    a: float,
+    period: float,
+    override: float,
+    hold: bool,
+    opened: int,
+    single_block: bool,
+    zones: bool,
+    places: Ints,
+    kind: Ints,
+    d: Floats,
+    x: Floats,
+    A: Floats,
+    J: Floats,
+    B: Floats,
+    zone: Ints,
+    up: Floats,
+    borders: Floats,
+) -> int:
+    """Walk the records from `cur` to before `last`; fill the constraints and return their number, 0 without motion."""
+    size = records.shape[0]
+    count = 0
+    here = 0  # zone
+    way = 0.0
+    A_least, J_least = np.inf, np.inf
+    fastest, least_wanted, slowest_corner = np.inf, np.inf, np.inf  # what constraints so far allow
+    need = 0.0
+    top, v_top, v_most, a_top = 0.0, 0.0, 0.0, 0.0
+    places[KNOWN_END], places[SHARPLY] = -1, 0
+    stopped = False
+    moving = False
+    e = cur
+    while e < last:
+        r = records[e % size]
+        what = r["kind"]
+        if what <= ARC:
+            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
+            if not moving:
+                moving = True
+                kind[0], d[0], x[0], zone[0] = NOW, 0.0, wanted, 0
+                A[0], J[0] = r["a_limit"], r["j_limit"]
+                count = 1
+                fastest, least_wanted = r["v_limit"], wanted
+                B[0] = r["j_limit"]
+                up[0], up[1] = r["a_limit"], r["j_limit"]
+                A_least, J_least = r["a_limit"], r["j_limit"]
+                a_top = max(a, 0.0) + J_least * period
+                v_top = v_most = v + a_top * period
+                top = v_top + a_top * a_top / (2.0 * J_least)
+                need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
+                way = r["length"] - s_in
+            else:
+                J_then = min(J_least, r["j_limit"])
+                less = J_then < J_least
+                peak = v_top + a_top * a_top / (2.0 * J_then)
+                if r["v_limit"] < fastest or less:
+                    fastest = min(fastest, r["v_limit"])
+                    if fastest < peak:
+                        kind[count], d[count], x[count], zone[count] = SLOWER, way, fastest, here
+                        A[count], J[count], B[count] = A_least, J_least, J_then
+                        count += 1
+                if not hold and (wanted < least_wanted or less):
+                    least_wanted = min(least_wanted, wanted)
+                    if least_wanted < peak and least_wanted < fastest:
+                        kind[count], d[count], x[count], zone[count] = FEED, way, least_wanted, here
+                        A[count], J[count], B[count] = A_least, J_least, J_then
+                        count += 1
+                if r["v_entry"] < slowest_corner:
+                    slowest_corner = r["v_entry"]
+                    if slowest_corner < top and slowest_corner < fastest:
+                        kind[count], d[count], x[count], zone[count] = SPEED, way, slowest_corner, here
+                        A[count], J[count] = A_least, J_least
+                        count += 1
+                sharp = r["a_limit"] < SHARP * A_least or r["j_limit"] < SHARP * J_least
+                if r["a_limit"] < A_least or r["j_limit"] < J_least:
+                    J_before, A_before = J_least, A_least
+                    A_least, J_least = min(A_least, r["a_limit"]), min(J_least, r["j_limit"])
+                    kind[count], d[count], x[count], zone[count] = REDUCE, way, A_least, here
+                    A[count], J[count] = J_least, J_before
+                    count += 1
+                    top = v_top + a_top * a_top / (2.0 * J_least)
+                    need = brake_distance(v_most, a_top, 0.0, A_least, J_least) + v_most * period * MARGIN
+                    if sharp:
+                        places[SHARPLY] = 1
+                    if sharp and zones:
+                        if here + 1 >= ZONES:
+                            break
+                        here += 1
+                        # d, A and J of the zone before, its own speed (hard, wanted), number of its first constraint
+                        borders[here, 0], borders[here, 1], borders[here, 2] = way, A_before, J_before
+                        borders[here, 3] = min(r["v_limit"], r["v_entry"])
+                        borders[here, 4] = min(wanted, borders[here, 3])
+                        borders[here, 5] = count
+                        A_least, J_least = r["a_limit"], r["j_limit"]
+                        fastest, least_wanted, slowest_corner = r["v_limit"], wanted, np.inf
+                        top = np.inf  # whatever comes counts for the speed at the border
+                        v_top = np.inf
+                way += r["length"]
+        gate = what == GATE and e > opened
+        if single_block and e > opened and moving and (what == BLOCK_END or r["block_end"] == 1):
+            if places[SINGLE_GATE] < 0 and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way):
+                places[SINGLE_GATE] = e  # the first block end where stopping is possible
+            gate = gate or e == places[SINGLE_GATE]
+        if gate:
+            stopped = True
+            e += 1
+            break
+        e += 1
+        if moving and way > need:
+            break
+    if not moving:
+        return 0
+    places[SEEN] = e
+    if stopped or e >= last or way <= need:
+        kind[count], d[count], x[count], zone[count] = STOP, way, 0.0, here
+        A[count], J[count] = A_least, J_least
+        if not stopped and e >= written and here == 0:
+            places[KNOWN_END] = count
+        count += 1
+    if here > 0:
+        count = fold_zones(here, count, hold, kind, d, x, A, J, B, zone, borders)
+    return count
+
+
+@kernel
+def fold_zones(
+    zones: int,
+    count: int,
+    hold: bool,
+    kind: Ints,
+    d: Floats,
+    x: Floats,
+    A: Floats,
+    J: Floats,
+    B: Floats,
+    zone: Ints,
+    borders: Floats,
+) -> int:
+    """Put a border with its crossing speed in the place of all constraints behind zone 0; returns the new number."""
+    end = count
+    for z in range(zones, 0, -1):
+        start, begin = borders[z, 0], int(borders[z, 5])
+        hard, wanted = borders[z, 3], borders[z, 4]
+        for k in range(begin, end):
+            if kind[k] == REDUCE:
+                continue
+            allowed = entry_speed(max(d[k] - start, 0.0), x[k], A[k], J[k])
+            wanted = min(wanted, allowed)
+            if kind[k] != FEED:
+                hard = min(hard, allowed)
+        if z < zones:
+            way = borders[z + 1, 0] - start
+            hard = min(hard, entry_speed(way, borders[z + 1, 3], borders[z + 1, 1], borders[z + 1, 2]))
+            wanted = min(min(wanted, hard), entry_speed(way, borders[z + 1, 4], borders[z + 1, 1], borders[z + 1, 2]))
+        borders[z, 3], borders[z, 4] = hard, min(wanted, hard)
+        end = begin
+    count = int(borders[1, 5])
+    kind[count], d[count], x[count], zone[count] = BORDER, borders[1, 0], borders[1, 3], 0
+    A[count], J[count] = borders[1, 1], borders[1, 2]
+    count += 1
+    if not hold and borders[1, 4] < borders[1, 3]:
+        kind[count], d[count], x[count], zone[count] = FEED, borders[1, 0], borders[1, 4], 0
+        A[count], J[count], B[count] = borders[1, 1], borders[1, 2], borders[1, 2]
+        count += 1
+    return count
+
+
+@kernel
+def yield_to_lower(
+    count: int, kind: Ints, d: Floats, x: Floats, A: Floats, J: Floats, B: Floats, v: float, a: float, period: float
+) -> bool:
+    """Take constraints out of the way of lower ones; returns whether all were met as they were.
+
+    To be at x with zero acceleration can take more way than to be at less than x: the braking has to be taken back
+    earlier. So of several constraints at one place only the lowest counts (the others keep what they mean behind it:
+    PLACE). And where x can't be met, but standing still there can, that is done.
+    """
+    as_they_were = True
+    for i in range(1, count):
+        if kind[i] == REDUCE or kind[i] == STOP:
+            continue
+        for k in range(max(i - 4, 1), min(i + 5, count)):
+            lower = kind[k] == SPEED or kind[k] == BORDER or kind[k] == STOP or kind[k] == SLOWER
+            if kind[i] == FEED and (kind[k] == FEED or not lower):
+                continue
+            if k != i and lower and d[k] == d[i] and (x[k] < x[i] or (x[k] == x[i] and k > i)):
+                kind[i] = PLACE
+                break
+        if kind[i] == PLACE or kind[i] == FEED or x[i] == 0.0:
+            continue
+        if (
+            slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8
+            and slack(kind[i], d[i], 0.0, A[i], J[i], B[i], v, a, period) >= -1e-8
+        ):
+            x[i] = 0.0
+            as_they_were = False
+    return as_they_were
+
+
+@kernel
+def all_safe(
+    count: int, kind: Ints, d: Floats, x: Floats, A: Floats, J: Floats, B: Floats, v: float, a: float, period: float
+) -> bool:
+    """Whether the state keeps all constraints but wishes (NOW, FEED)."""
+    for i in range(1, count):
+        if kind[i] == FEED or kind[i] == PLACE:
+            continue
+        if slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
+            return False
+        if kind[i] == REDUCE and a < 0.0 and not can_release(d[i], x[i], A[i], J[i], v, a):
+            return False
+    return True
 
 
 @kernel
@@ -54,6 +325,7 @@ def look_ahead(
     hold: bool,
     opened: int,
     single_block: bool,
+    zones: bool,
     places: Ints,
     kind: Ints,
     d: Floats,
@@ -61,119 +333,44 @@ def look_ahead(
     A: Floats,
     J: Floats,
     B: Floats,
-    index: Ints,
+    zone: Ints,
     up: Floats,
+    borders: Floats,
 ) -> int:
     """Fill the constraints seen from `s_in` in record `cur`; returns their number, 0 if no motion is known.
 
-    `places` [0] is the accepted horizon (absolute index), [1] the gate of single block (-1: none), [2] becomes the constraint
-    that is the end of what is known, -1 if it is out of reach; `up` becomes (A, J) for accelerating in this cycle.
+    `places`: [HORIZON] the accepted horizon (absolute index), [SINGLE_GATE] the gate of single block or -1,
+    [KNOWN_END] becomes the constraint that is the end of what is known or -1, [SHARPLY] whether there are zones,
+    [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen. `up` becomes (A, J) for
+    accelerating in this cycle.
     """
-    size = records.shape[0]
-    count = 0
-    way = 0.0
-    A_least, J_least = np.inf, np.inf
-    fastest, least_wanted, slowest_corner = np.inf, np.inf, np.inf  # what constraints so far allow
-    need = 0.0
-    top, v_top, a_top = 0.0, 0.0, 0.0
-    old_horizon = places[0]
-    at_old = -1
-    A_old, J_old, way_old = 0.0, 0.0, 0.0
-    places[2] = -1
-    stopped = False
-    moving = False
-    e = cur
+    old = places[HORIZON]
     last = min(written, cur + ELEMENTS)
-    while e < last:
-        if e == old_horizon and moving:
-            at_old = count
-            A_old, J_old, way_old = A_least, J_least, way
-        r = records[e % size]
-        what = r["kind"]
-        if what <= ARC:
-            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
-            if not moving:
-                moving = True
-                kind[0], d[0], x[0], index[0] = NOW, 0.0, wanted, e
-                A[0], J[0] = r["a_limit"], r["j_limit"]
-                count = 1
-                fastest, least_wanted = r["v_limit"], wanted
-                B[0] = r["j_limit"]
-                up[0], up[1] = r["a_limit"], r["j_limit"]
-                A_least, J_least = r["a_limit"], r["j_limit"]
-                a_top = max(a, 0.0) + J_least * period
-                v_top = v + a_top * period
-                top = v_top + a_top * a_top / (2.0 * J_least)
-                need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
-                way = r["length"] - s_in
-            else:
-                J_then = min(J_least, r["j_limit"])
-                less = J_then < J_least
-                peak = v_top + a_top * a_top / (2.0 * J_then)
-                if r["v_limit"] < fastest or less:
-                    fastest = min(fastest, r["v_limit"])
-                    if fastest < peak:
-                        kind[count], d[count], x[count], index[count] = SLOWER, way, fastest, e
-                        A[count], J[count], B[count] = A_least, J_least, J_then
-                        count += 1
-                if not hold and (wanted < least_wanted or less):
-                    least_wanted = min(least_wanted, wanted)
-                    if least_wanted < peak and least_wanted < fastest:
-                        kind[count], d[count], x[count], index[count] = FEED, way, least_wanted, e
-                        A[count], J[count], B[count] = A_least, J_least, J_then
-                        count += 1
-                if r["v_entry"] < slowest_corner:
-                    slowest_corner = r["v_entry"]
-                    if slowest_corner < top and slowest_corner < fastest:
-                        kind[count], d[count], x[count], index[count] = SPEED, way, slowest_corner, e
-                        A[count], J[count] = A_least, J_least
-                        count += 1
-                if r["a_limit"] < A_least or r["j_limit"] < J_least:
-                    J_before = J_least
-                    A_least, J_least = min(A_least, r["a_limit"]), min(J_least, r["j_limit"])
-                    kind[count], d[count], x[count], index[count] = REDUCE, way, A_least, e
-                    A[count], J[count] = J_least, J_before
-                    count += 1
-                    top = v_top + a_top * a_top / (2.0 * J_least)
-                    need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
-                way += r["length"]
-        gate = what == GATE and e > opened
-        if single_block and e > opened and moving and (what == BLOCK_END or r["block_end"] == 1):
-            if places[1] < 0 and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way):
-                places[1] = e  # the first block end where stopping is possible
-            gate = gate or e == places[1]
-        if gate:
-            stopped = True
-            e += 1
-            break
-        e += 1
-        if moving and way > need:
-            break
-    if not moving:
+    count = collect(
+        records, written, last, cur, s_in, v, a, period, override, hold, opened, single_block, zones,
+        places, kind, d, x, A, J, B, zone, up, borders,
+    )  # fmt: skip
+    if count == 0:
         return 0
-    if stopped or e >= last:
-        kind[count], d[count], x[count], index[count] = STOP, way, 0.0, e
-        A[count], J[count] = A_least, J_least
-        if not stopped and e >= written:
-            places[2] = count
-        count += 1
-    if at_old > 0:
-        for i in range(at_old, count):
-            if kind[i] == FEED:
-                continue
-            safe = slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) >= -1e-8
-            if kind[i] == REDUCE and a < 0.0:
-                safe = safe and can_release(d[i], x[i], A[i], J[i], v, a)
-            if not safe:
-                count = at_old
-                kind[count], d[count], x[count], index[count] = STOP, way_old, 0.0, old_horizon
-                A[count], J[count] = A_old, J_old
-                count += 1
-                places[2] = -1
-                e = old_horizon
-                break
-    places[0] = e
-    # A feed that comes too soon (the override has just changed) is braked for at once, as far as nothing else forbids it.
+    whole = yield_to_lower(count, kind, d, x, A, J, B, v, a, period)
+    safe = all_safe(count, kind, d, x, A, J, B, v, a, period)
+    places[WHOLE] = 1 if whole and safe else 0
+    sharply = places[SHARPLY]
+    if not safe and cur < old < places[SEEN]:
+        again = collect(
+            records, written, old, cur, s_in, v, a, period, override, hold, opened, single_block, zones,
+            places, kind, d, x, A, J, B, zone, up, borders,
+        )  # fmt: skip
+        if again > 0:
+            count = again
+            places[KNOWN_END] = -1
+            yield_to_lower(count, kind, d, x, A, J, B, v, a, period)
+            safe = all_safe(count, kind, d, x, A, J, B, v, a, period)
+    places[SHARPLY] = sharply
+    places[VALID] = 1 if safe else 0
+    if safe:
+        places[HORIZON] = places[SEEN]
+    # A feed that comes too soon (the override has just changed) is braked for at once, as far as nothing forbids it.
     for i in range(1, count):
         if kind[i] == FEED and slack(FEED, d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
             x[0] = min(x[0], x[i])
@@ -181,7 +378,10 @@ def look_ahead(
     # Braking for its own sake (feed hold, lower override) may cross borders: with the least of what it crosses.
     for i in range(1, count):
         if kind[i] == REDUCE:
-            if d[i] > brake_distance(v, a, 0.0, A[0], J[0]):
+            way = brake_distance(v, a, 0.0, A[0], J[0])
+            if v > x[0]:
+                way = max(way, brake_distance(v, a, x[0], A[0], J[0]))
+            if d[i] > way - 1e-6:
                 break
             A[0], J[0] = min(A[0], x[i]), min(J[0], A[i])
     return count

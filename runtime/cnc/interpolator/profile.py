@@ -1,6 +1,7 @@
 """How one cycle is driven: as fast as every constraint ahead allows, with bounded jerk. Kernels.
 
-State on the path: s (mm from where the cycle began), v, a. Ahead lie constraints, each a place d and what must hold there:
+State on the path: s (mm from where the cycle began), v, a. Ahead lie constraints, each a place d and what must hold
+there:
 
       v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
         │ ─────╮
@@ -9,17 +10,18 @@ State on the path: s (mm from where the cycle began), v, a. Ahead lie constraint
         │             ╲   STOP: at d the path stands (closed gate, end of what is known)
         └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
 
-The braking to a constraint is the third-order one: jerk -J down to -A, hold, jerk +J so that v = x and a = 0 are reached
-together. Its length has a closed form, so nothing needs a grid: `slack` = d - braking distance, and a state is safe when no
-slack is negative. For limits that don't grow towards the far constraints (the look-ahead sees to that) this is sufficient for
-all of them together: braking for the slowest one stays below the braking curves of all others.
+The braking to a constraint is the third-order one: jerk -J down to -A, hold, jerk +J so that v = x and a = 0 are
+reached together. Its length has a closed form, so nothing needs a grid: `slack` = d - braking distance, and a state
+is safe when no slack is negative. For limits that don't grow towards the far constraints (the look-ahead sees to
+that) this is sufficient for all of them together: braking for the slowest one stays below the braking curves of all
+others.
 
 A cycle is cut where the jerk changes:  accelerate with +J until some slack is 0 (found by bisection: slack falls
 steadily while accelerating), from there follow that constraint's braking through its exact switching times, until it is
 fulfilled, and so on. Braking curves are thus followed without chatter, and a stop lands on its place.
 
-Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted braking is
-chosen; the others remain safe, since braking harder never endangers them.
+Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted
+braking is chosen; the others remain safe, since braking harder never endangers them.
 
 Units: mm, s (degrees where only rotary axes move).
 """
@@ -37,7 +39,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 # kinds of constraints
-NOW, SPEED, STOP, REDUCE, SLOWER, FEED = 0, 1, 2, 3, 4, 5
+NOW, SPEED, STOP, REDUCE, SLOWER, FEED, BORDER, PLACE = 0, 1, 2, 3, 4, 5, 6, 7
 
 TOLERANCE = 1e-11  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
@@ -56,8 +58,8 @@ def reduce_distance(v: float, a: float, x: float, J: float) -> float:
 def brake_distance(v: float, a: float, target: float, A: float, J: float) -> float:
     """Way until velocity `target` is reached with zero acceleration, braking with at most A and J.
 
-    A positive `a` is taken back first. A negative one is understood as the middle of a braking that began at
-    v + a²/2J with zero acceleration: the length of the whole, less the part that lies behind. If the velocity is already
+    A positive `a` is taken back first. A negative one is understood as the middle of a braking that began at v +
+    a²/2J with zero acceleration: the length of the whole, less the part that lies behind. If the velocity is already
     below what the taking back of `a` needs, the distance is that of taking it back.
     """
     way = 0.0
@@ -65,14 +67,19 @@ def brake_distance(v: float, a: float, target: float, A: float, J: float) -> flo
         way = reduce_distance(v, a, 0.0, J)
         v += a * a / (2.0 * J)
         a = 0.0
+    if a < 0.0 and target < v <= target + a * a / (2.0 * J):  # nothing but taking back is left
+        t = -a / J
+        return max(way + v * t - J * t * t * t / 3.0, 0.0)
+    if -a > A:  # more than is allowed up to there: back to A first
+        t = (-a - A) / J
+        way += v * t + a * t * t / 2.0 + J * t * t * t / 6.0
+        v += a * t + J * t * t / 2.0
+        a = -A
     t_a = -a / J
     top = v + a * a / (2.0 * J)
     drop = top - target
     if drop <= 0.0:
         return way
-    if v - target <= a * a / (2.0 * J):
-        return way + v * t_a - J * t_a * t_a * t_a / 3.0
-    A = max(A, -a)
     if drop <= A * A / J:
         t = 2.0 * math.sqrt(drop / J)
     else:
@@ -97,7 +104,7 @@ def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
 
 @kernel
 def can_release(d: float, A: float, J: float, J_before: float, v: float, a: float) -> bool:
-    """Whether a braking (a < 0) can be taken back over a border at d: there at most A is left, and J ends it above v = 0."""
+    """Whether a braking (a < 0) can be taken back over a border at d: at most A is left there, J ends it at v ≥ 0."""
     t = -a / J_before
     if v * t - J_before * t * t * t / 3.0 <= d:
         return True
@@ -118,6 +125,8 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
         if a <= x:
             return max(d, 0.0) + (x - a) * period * period
         return d - reduce_distance(v, a, x, J)
+    if kind == PLACE:
+        return d
     if kind == NOW:
         top = v + a * a / (2.0 * B) if a > 0.0 else v
         return (x - top) * period if top <= x else -brake_distance(v, a, x, A, J)
@@ -129,6 +138,8 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
                 t = time_to(max(d, 0.0), v, a, -J, a / J)
                 top = v + a * t - J * t * t / 2.0 + (a - J * t) * (a - J * t) / (2.0 * B)
             d = left
+        if kind == BORDER and a > 0.0:
+            return d  # over it without acceleration
         return max(d, 0.0) + (x - top) * period
     return d - brake_distance(v, a, x, A, J)
 
@@ -136,18 +147,20 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
 @kernel
 def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: float, a: float) -> tuple[float, float]:
     """Jerk that a constraint without slack asks for, and for how long (s) before it asks for something else."""
+    if kind == PLACE:
+        return NEVER, NEVER
     if kind == REDUCE:
         if a - x > 1e-9 * x:
             return -J, (a - x) / J
         return 0.0, (max(d, 0.0) + TOLERANCE) / v if v > 1e-9 and kind != NOW else NEVER
     if a > 0.0:
         return (-B, a / B) if kind == NOW else (-J, a / J)
-    if kind == NOW and -a > A * 1.000001:  # the stop has come to reach an element with less acceleration
+    if -a > A * 1.000001:
         return J, (-a - A) / J
     drop = v - x
     release = a * a / (2.0 * J)
     if drop > release + 1e-9:
-        A = max(A, -a)
+        A = max(A, -a)  # rounding
         whole = drop + release
         if whole <= A * A / J:
             t = (math.sqrt(whole * J) + a) / J
@@ -205,7 +218,8 @@ def drive(
     state: Ints,
     result: Floats,
 ) -> int:
-    """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or -1.
+    """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or
+    -1.
 
     Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind,
     1 watched, 2 binding, 3 violated at the end of a piece.
@@ -240,10 +254,12 @@ def drive(
                 s = d[i]  # standing before a full stop by a rounding error
                 way = 0.0
             # Behind; a full stop in a corner only once the path has stood, whatever 1e-9 mm say.
-            done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE
-            if way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done:
+            done = v <= x[i] + 1e-6 * min(x[i], 1.0) or way < -1e-6 or kind[i] == REDUCE or kind[i] == PLACE
+            if (way <= TOLERANCE and kind[i] == PLACE) or (way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done):
                 state[i] = 0  # behind
-                if kind[i] >= SLOWER:
+                if kind[i] == BORDER:
+                    x[0] = min(x[0], v)  # what holds behind it is known in the next cycle
+                elif kind[i] >= SLOWER:
                     x[0] = min(x[0], x[i])
                 continue
             if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, T) > TOLERANCE:

@@ -1,21 +1,23 @@
 """What the axes allow on an element and at its entry: path velocity, acceleration and jerk from the limits per axis.
 
-With u = q' (share of each axis in the path velocity) and k = q'' (curvature), at path velocity v, acceleration a, jerk j:
+With u = q' (share of each axis in the path velocity) and k = q'' (curvature), at path velocity v, acceleration a,
+jerk j:
 
     velocity of an axis       u v                          ≤ V
     acceleration              u a + k v²                   ≤ A
     jerk                      u j + 3 k v a + q''' v³      ≤ J
 
-Every element gets one v, a and j with which all of this holds together. What curvature takes is decided by the speed that the
-programmed feed can ask for (override 200 %): up to half of the acceleration is given to it freely, up to 70 % if the feed
-at 100 % needs it; the rest is left to speed up and brake.
+Every element gets one v, a and j with which all of this holds together. What curvature takes is decided by the speed
+that the programmed feed can ask for (override 200 %): up to half of the acceleration is given to it freely, up to 70
+% if the feed at 100 % needs it; the rest is left to speed up and brake.
 
-At a corner the axes jump by Δu v, at most their `velocity_step`. Where an arc begins or ends the acceleration
-jumps by Δk v². An axis that may jump by `velocity_step` may also lag as much, and with its jerk it catches up with a jump of
-acceleration ΔA while its velocity is off by at most ΔA²/8J: so ΔA ≤ √(8 J velocity_step) is allowed, and
-ΔA ≤ J·period/2 for an axis that may not jump at all.
+At a corner the axes jump by Δu v, at most their `velocity_step`. Where an arc begins or ends the acceleration jumps
+by Δk v². An axis that may jump by `velocity_step` may also lag as much, and with its jerk it catches up with a jump
+of acceleration ΔA while its velocity is off by at most ΔA²/8J: so ΔA ≤ √(8 J velocity_step) is allowed, and ΔA ≤
+J·period/2 for an axis that may not jump at all.
 
-A run of short lines stands for a curve: its corners then also have a curvature k = Δu / mean length, kept like that of an arc.
+A run of short lines stands for a curve: its corners then also have a curvature k = Δu / mean length, kept like that
+of an arc.
 """
 
 from __future__ import annotations
@@ -81,8 +83,8 @@ def corner_speed(
 ) -> Floats:
     """Greatest path velocity over corners (k,).
 
-    `turn` (k, n): |Δu|; `bend` (k, n): |Δk|, the jump of curvature; `length` (k,): mean length of the neighbours; `share`:
-    of the acceleration that curvature may take.
+    `turn` (k, n): |Δu|; `bend` (k, n): |Δk|, the jump of curvature; `length` (k,): mean length of the neighbours;
+    `share`: of the acceleration that curvature may take.
     """
     turn = np.where(turn > TANGENTIAL, turn, 0.0)
     jump = _least(limits.velocity_step, turn)

@@ -1,8 +1,8 @@
 """The last station of preparation: blocks become records of the motion queue, with all numbers that the cycle needs.
 
 Path length is measured along the first three (main) axes if one of them moves; the other axes go along. If none of
-them moves, it is the Euclidean length over the remaining axes (rotary axes alone: degrees, and a feed in degrees/min). At the
-change between both measures the path stops. Moves without length vanish; their block end stays.
+them moves, it is the Euclidean length over the remaining axes (rotary axes alone: degrees, and a feed in
+degrees/min). At the change between both measures the path stops. Moves without length vanish; their block end stays.
 
 The writer never waits and reads no clock: when the queue is full it says so and goes on where it was at the next call.
 """
@@ -71,8 +71,8 @@ def path_length(way: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
 class QueueWriter:
     """Writes the blocks of one program run to `queue`; make a new one for each run.
 
-    `names` of the axes are for error messages. Raises PathError for blocks that can't be driven; nothing of such a block
-    reaches the queue.
+    `names` of the axes are for error messages. Raises PathError for blocks that can't be driven; nothing of such a
+    block reaches the queue.
     """
 
     def __init__(self, queue: MotionQueue, limits: AxisLimits, period: float, names: tuple[str, ...] = ()) -> None:
@@ -87,7 +87,7 @@ class QueueWriter:
         self._done = 0
 
     def pump(self, blocks: Iterator[Block], budget: int = 1000) -> PumpState:
-        """Take blocks and write them until the queue is full, `budget` records are written, or there are no more blocks."""
+        """Write blocks until the queue is full, `budget` records are written, or there are no more blocks."""
         while True:
             if self._done < len(self._pending):
                 budget -= self._flush(budget)
@@ -228,7 +228,8 @@ class QueueWriter:
         if not arc.feed > 0.0:
             raise PathError(NO_FEED, Place(program, line), feed=arc.feed)
         dynamics, after = arc_dynamics(
-            self._limits, self._period, arc.plane, math.atan2(y, x), angle, radius, linear, length, arc.feed / 60.0, self._before
+            self._limits, self._period, arc.plane, math.atan2(y, x), angle, radius, linear, length, arc.feed / 60.0,
+            self._before,
         )  # fmt: skip
         record["kind"] = RecordKind.ARC
         record["axis0"], record["axis1"] = first, second

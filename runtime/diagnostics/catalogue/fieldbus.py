@@ -30,8 +30,8 @@ BUS_UNSUPPORTED = ErrorEntry(
 BUS_NO_MULTICAST = ErrorEntry(
     303005,
     "multicast group {channel} cannot be reached: {reason}",
-    remedy="fieldbus.bus.channel must be a multicast address (224.0.0.0/4) and the computer needs a route to it: "
-    "ip route add 239.0.0.0/8 dev lo",
+    remedy="fieldbus.bus.channel must be a multicast address (224.0.0.0/4). With options.hop_limit 0 the group stays on "
+    "this computer and needs the loopback interface only (ip link set lo up); otherwise it needs a route.",
 )
 BUS_OPEN_FAILED = ErrorEntry(
     303006,
@@ -70,12 +70,6 @@ CYCLE_NOT_REPRESENTABLE = ErrorEntry(
     "a cycle of {period_us} µs cannot be given to the drives as interpolation period (1 to 255 times a power of ten)",
     remedy="choose a cycle like 1 ms, 2 ms, 500 µs",
 )
-MASTER_NODE_TAKEN = ErrorEntry(
-    303015,
-    "node id {node} of the master is also that of {owner}",
-    remedy="give fieldbus.bus.master_node another id",
-)
-
 # -- boot ------------------------------------------------------------------------------------------------------------
 OTHER_MASTER = ErrorEntry(
     303020,
@@ -124,10 +118,12 @@ NODE_NOT_OPERATIONAL = ErrorEntry(
 )
 
 # -- in operation ----------------------------------------------------------------------------------------------------
+# What befalls one node stops the others on the path, within their limits. Only a bus that is gone, or a set-point that is
+# no number, leaves the axes to the ramps of their drives.
 DRIVE_FAULT = ErrorEntry(
     303030,
     "the drive of {owner} (node {node}) is in fault: {meaning} (0x{code:04X})",
-    reaction=Reaction.QUICK_STOP,
+    reaction=Reaction.STOP_ON_PATH,
     remedy="remove the cause and acknowledge the fault (reset)",
 )
 EMERGENCY = ErrorEntry(
@@ -142,7 +138,7 @@ HEARTBEAT_LOST = ErrorEntry(
     303032,
     "heartbeat of node {node} ({owner}) is lost",
     severity=Severity.FATAL,
-    reaction=Reaction.QUICK_STOP,
+    reaction=Reaction.STOP_ON_PATH,
     remedy="check supply and cable of the node, then restart the runtime",
     source="CiA 301, heartbeat consumer",
 )
@@ -150,27 +146,27 @@ NODE_RESTARTED = ErrorEntry(
     303033,
     "node {node} ({owner}) restarted by itself",
     severity=Severity.FATAL,
-    reaction=Reaction.QUICK_STOP,
+    reaction=Reaction.STOP_ON_PATH,
     remedy="check the supply of the node, then restart the runtime",
 )
 NODE_LEFT_OPERATIONAL = ErrorEntry(
     303034,
     "node {node} ({owner}) left the operational state, its NMT state is {meaning}",
     severity=Severity.FATAL,
-    reaction=Reaction.QUICK_STOP,
+    reaction=Reaction.STOP_ON_PATH,
     remedy="see the alarms before this one, then restart the runtime",
 )
 PROCESS_DATA_LOST = ErrorEntry(
     303035,
     "node {node} ({owner}) sends no process data any more",
     severity=Severity.FATAL,
-    reaction=Reaction.QUICK_STOP,
+    reaction=Reaction.STOP_ON_PATH,
     remedy="check the bus load and the node, then restart the runtime",
 )
 DRIVE_DISABLED = ErrorEntry(
     303036,
     "the drive of {owner} (node {node}) left the enabled state by itself, it is now in {meaning}",
-    reaction=Reaction.QUICK_STOP,
+    reaction=Reaction.STOP_ON_PATH,
     remedy="check safe torque off, limit switches and supply of the drive; withdraw the enable and give it again",
 )
 SETPOINT_INVALID = ErrorEntry(

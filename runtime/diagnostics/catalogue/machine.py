@@ -20,11 +20,11 @@ FOLLOWING_ERROR = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="is the axis blocked, the servo too weak, or `following_error` too small for this feed?",
 )
-DRIVE_DROPPED = ErrorEntry(
+AXIS_TRACKING = ErrorEntry(
     50025,
-    "drive of axis {axis} left operation enabled by itself",
+    "axis {axis} is in tracking although it shall be able to move: its drive is not enabled",
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check the drive's enable input and supply, then reset the channel",
+    remedy="check the drive's enable input and supply; does the PLC take drive_on back while a program runs? Then reset",
     source="HLI, tracking mode",
 )
 PLC_NOT_RUNNING = ErrorEntry(
@@ -61,35 +61,6 @@ PROCESS_LOST = ErrorEntry(
     remedy="the journal has its last words; reset the channel to go on",
 )
 NOT_READY = ErrorEntry(
-    306012,
-    "the program does not start: axis {axis} is not enabled",
-    remedy="switch the drives on, or reset the channel after a fault",
-)
-CHANNEL_IN_ERROR = ErrorEntry(
-    306014, "the program does not start: the channel is in error", remedy="reset the channel first"
-)
-PREPARATION_SILENT = ErrorEntry(
-    306015,
-    "the preparation process does not answer",
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="restart the runtime; the journal says why the process ended",
-)
-CYCLE_FAILED = ErrorEntry(
-    306016,
-    "the cycle failed: {reason}",
-    severity=Severity.FATAL,
-    reaction=Reaction.QUICK_STOP,
-    remedy="this is an error of the runtime; keep the journal and report it",
-)
-PROCESS_LOST = ErrorEntry(
-    306017,
-    "a process of the runtime ended: {process}",
-    severity=Severity.FATAL,
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="the journal has its last words; reset the channel to go on",
-)
-NO_SPINDLE = ErrorEntry(306018, "the channel has no spindle {spindle}", reaction=Reaction.STOP_ON_PATH)
-NOT_READY = ErrorEntry(
     306020,
     "drives and PLC are not ready after {seconds:.0f} s",
     remedy="the alarms before this one tell what is missing",
@@ -114,4 +85,10 @@ AXIS_MOVED = ErrorEntry(
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
     remedy="was it moved while the control was off? if not, check its encoder before the first move",
+)
+PATH_APART = ErrorEntry(
+    306025,
+    "the next block does not begin where the axes stand; nothing was moved",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="this is an error of the runtime; keep the program and report it",
 )

@@ -7,15 +7,16 @@ SOFTWARE_LIMIT = ErrorEntry(
     "{what} of axis {axis}, {position:.4f}, lies beyond its software limit {limit_name} = {limit:.4f}",
     Severity.ERROR,
     Reaction.STOP_AT_BLOCK_END,
-    "Correct the target or the zero offset, or clamp the workpiece elsewhere; the limits are position_min and position_max "
-    "of the axis in the machine description.",
+    "Correct the target or the zero offset, or clamp the workpiece elsewhere; the limits are position_min and "
+    "position_max of the axis in the machine description.",
 )
 PATH_GAP = ErrorEntry(
     301002,
-    "the block starts at {position:.6f} of axis {axis}, but the path so far ends at {end:.6f}",
+    "the block starts at {start:.6f} of axis {axis}, but the path so far ends at {end:.6f}",
     Severity.ERROR,
     Reaction.STOP_ON_PATH,
-    "The path must not jump. If no offset was changed by hand this is an error of the control: report it with the program.",
+    "The path must not jump. If no offset was changed by hand this is an error of the control: report it with "
+    "the program.",
 )
 NO_FEED = ErrorEntry(
     301003,

@@ -85,3 +85,33 @@ def test_reset_gives_the_drives_time_before_they_are_judged_again(axes: AxisSupe
     assert not axes.image.reset_fault.any()
     (fault,) = axes.monitor(WANTED)  # the cause is still there
     assert fault.kind == FAULT_DRIVE
+
+
+def test_reset_does_not_blind_the_axes_that_run(axes: AxisSupervision) -> None:
+    enable(axes)
+    axes.reset(500)
+    assert axes.monitor(WANTED) == []
+    assert not axes.image.reset_fault.any()
+    axes.image.target_position[1] = 6.0
+    (fault,) = axes.monitor(WANTED)
+    assert (fault.axis, fault.kind) == (1, FAULT_LAG)
+
+
+def test_an_axis_reset_at_once_leaves_the_enabled_state_before_it_runs_again(axes: AxisSupervision) -> None:
+    enable(axes)
+    axes.image.target_position[0] = 6.0
+    axes.monitor(WANTED)
+    axes.reset(100)
+    axes.monitor(WANTED)
+    assert not axes.image.enable[0], "its set-point is still 6 mm away from it"
+    axes.image.state[0] = DriveState.SWITCHED_ON
+    axes.monitor(WANTED)
+    assert axes.image.enable[0]
+    assert axes.image.target_position[0] == 0.0
+
+
+def test_a_quick_stop_that_was_ordered_is_no_fault_of_the_drives(axes: AxisSupervision) -> None:
+    enable(axes)
+    axes.quick_stop()
+    axes.image.state[:] = DriveState.QUICK_STOP_ACTIVE
+    assert axes.monitor(WANTED) == []

@@ -1,0 +1,170 @@
+"""Blocks become records: limits, lengths, corners; a full queue is no problem."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from runtime.cnc.blocks import (
+    Arc,
+    Block,
+    BlockEnd,
+    Dwell,
+    Line,
+    Polyline,
+    Source,
+    Stop,
+    StopKind,
+    Synch,
+    Technology,
+    TechnologyFunction,
+    Wait,
+)
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+from runtime.cnc.path_preparation import PathError, PumpState, QueueWriter
+from tests.cnc.interpolator.driving import PERIOD, limits
+
+Floats = npt.NDArray[np.float64]
+LIMITS = AxisLimits(
+    np.array([400.0, 300.0, 200.0]), np.array([4000.0, 3000.0, 2000.0]), np.full(3, 6e4), np.array([5.0, 4.0, 3.0])
+)
+S = Source("p", 3, 30)
+
+
+def at(*place: float) -> Floats:
+    return np.array(place)
+
+
+def line(start: Floats, end: Floats, feed: float = 6000.0) -> Line:
+    return Line(S, start, end, feed, math.isinf(feed), end)
+
+
+def written(*blocks: Block, axes: AxisLimits = LIMITS) -> MotionQueue:
+    queue = MotionQueue(axes.n, capacity=256)
+    writer = QueueWriter(queue, axes, PERIOD, ("X", "Y", "Z"))
+    assert writer.pump(iter(blocks)) is PumpState.FINISHED
+    return queue
+
+
+def test_rapid_runs_one_axis_at_its_limit() -> None:
+    record = written(line(at(0, 0, 0), at(30, 40, 0), math.inf)).record(0)
+    assert record["length"] == 50.0
+    assert record["v_limit"] == pytest.approx(300.0 / 0.8)
+    assert record["a_limit"] == pytest.approx(3000.0 / 0.8)
+    assert record["rapid"] == 1
+
+
+def test_corner_speed_is_what_the_velocity_steps_allow() -> None:
+    queue = written(
+        line(at(0, 0, 0), at(50, 0, 0)), line(at(50, 0, 0), at(50, 50, 0)), line(at(50, 50, 0), at(50, 80, 0))
+    )
+    assert queue.record(1)["v_entry"] == pytest.approx(4.0)  # X stops (5 mm/s), Y starts (4 mm/s)
+    assert math.isinf(queue.record(2)["v_entry"])  # straight on
+
+
+def test_without_velocity_step_a_corner_is_a_stop_but_a_tangent_is_not() -> None:
+    hard = limits(400.0, 4000.0, 60_000.0, 0.0)
+    arc = Arc(S, at(50, 0, 0), at(60, 10, 0), 6000.0, at(60, 10, 0), (0, 1), at(50, 10), 10.0, 90.0)
+    queue = written(line(at(0, 0, 0), at(50, 0, 0)), arc, line(at(60, 10, 0), at(70, 10, 0)), axes=hard)
+    assert queue.record(1)["v_entry"] > 10.0
+    assert queue.record(2)["v_entry"] == 0.0
+
+
+def test_arcs_leave_acceleration_for_their_curvature() -> None:
+    hard = limits(400.0, 4000.0, 60_000.0, 5.0)
+    end = at(0, 20, 0)
+    record = written(Arc(S, at(0, 0, 0), end, 60_000.0, end, (0, 1), at(0, 10), 10.0, 180.0), axes=hard).record(0)
+    v, a, j = float(record["v_limit"]), float(record["a_limit"]), float(record["j_limit"])
+    assert record["length"] == pytest.approx(10.0 * math.pi)
+    assert math.hypot(a, v * v / 10.0) <= 4000.0 + 1e-9
+    assert math.hypot(j + v**3 / 100.0, 3.0 * v * a / 10.0) <= 60_000.0 * (1 + 1e-9)
+    assert v > 100.0
+
+
+def test_moves_without_length_vanish_but_their_block_end_stays() -> None:
+    queue = written(line(at(1, 1, 1), at(1, 1, 1)), BlockEnd(S), line(at(1, 1, 1), at(2, 1, 1)))
+    assert [int(queue.record(i)["kind"]) for i in range(queue.written)] == [RecordKind.BLOCK_END, RecordKind.LINE]
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0]])
+    run = Polyline("p", points, np.full(3, 600.0), np.array([4, 5, 6]), np.full(3, -1), np.zeros(3))
+    queue = written(run)
+    assert [int(queue.record(i)["kind"]) for i in range(3)] == [RecordKind.LINE, RecordKind.BLOCK_END, RecordKind.LINE]
+    assert [int(queue.record(i)["line"]) for i in range(3)] == [4, 5, 6]
+    assert queue.record(2)["start"][:3].tolist() == [1, 0, 0]
+
+
+def test_functions_and_gates() -> None:
+    queue = written(
+        TechnologyFunction(S, Technology.S, 3, 1200.0, Synch.MVS_SVS | Synch.PLC_INFO, 1),
+        Wait(S),
+        Dwell(S, 0.25),
+        Stop(S, StopKind.OPTIONAL),
+        Stop(S, StopKind.PROGRAM_END),
+    )
+    function = queue.record(0)
+    assert (function["function"], function["number"], function["value"], function["spindle"]) == (3, 3, 1200.0, 1)
+    assert Synch(int(function["synch"])) == Synch.MVS_SVS | Synch.PLC_INFO
+    assert [int(queue.record(i)["reason"]) for i in range(1, 5)] == [
+        GateReason.WAIT,
+        GateReason.DWELL,
+        GateReason.OPTIONAL_STOP,
+        GateReason.PROGRAM_END,
+    ]
+    assert queue.record(2)["seconds"] == 0.25
+    assert (queue.record(1)["line"], queue.record(1)["n"]) == (3, 30)
+    assert queue.program_name(int(queue.record(1)["program"])) == "p"
+
+
+def test_a_full_queue_interrupts_a_polyline_and_it_goes_on() -> None:
+    k = 100
+    points = np.stack([np.arange(k + 1.0), np.zeros(k + 1), np.zeros(k + 1)], axis=1)
+    run = Polyline("p", points, np.full(k, 600.0), np.arange(k), np.full(k, -1), np.zeros(3))
+    queue = MotionQueue(3, capacity=32)
+    writer = QueueWriter(queue, LIMITS, PERIOD)
+    blocks: Iterator[Block] = iter([run, BlockEnd(S)])
+    ends: list[float] = []
+    states = set()
+    while True:
+        state = writer.pump(blocks, budget=20)
+        states.add(state)
+        ends += [
+            float(queue.record(i)["end"][0]) for i in range(queue.read, queue.written) if queue.record(i)["kind"] == 0
+        ]
+        if state is PumpState.FULL or state is PumpState.FINISHED:
+            queue.discard_all()
+        else:
+            ends = ends[: len(ends) - (queue.written - queue.read)]
+        if state is PumpState.FINISHED:
+            break
+    assert ends == list(range(1, k + 1))
+    assert PumpState.MORE in states
+    assert PumpState.FULL in states
+
+
+@pytest.mark.parametrize(
+    ("block", "number", "words"),
+    [
+        (line(at(0, 0, 0), at(1, 0, 0), 0.0), 301003, "feed of 0 mm/min"),
+        (line(at(0, 0, 0), at(1, 0, math.nan)), 301004, "axis Z is not a number"),
+        (Arc(S, at(0, 0, 0), at(1, 0, 0), 0.0, at(1, 0, 0), (0, 1), at(0.5, 0), 0.5, 180.0), 301003, "feed of 0"),
+    ],
+)
+def test_what_cannot_be_driven_is_refused(block: Block, number: int, words: str) -> None:
+    queue = MotionQueue(3, capacity=8)
+    with pytest.raises(PathError, match=words) as caught:
+        QueueWriter(queue, LIMITS, PERIOD, ("X", "Y", "Z")).write(block)
+    assert caught.value.problem.entry.id == number
+    assert caught.value.problem.place.line == 3
+    assert queue.written == 0
+
+
+def test_a_gap_in_the_path_is_refused() -> None:
+    queue = MotionQueue(3, capacity=8)
+    writer = QueueWriter(queue, LIMITS, PERIOD, ("X", "Y", "Z"))
+    writer.write(line(at(0, 0, 0), at(1, 0, 0)))
+    with pytest.raises(PathError, match=r"starts at 2\.0+ of axis Y"):
+        writer.write(line(at(1, 2, 0), at(1, 5, 0)))
