@@ -94,7 +94,6 @@ class CycleProcess:
         self.drives.start()
         machine = self.machine
         for problem in prepare_realtime(machine.cycle.priority, machine.cycle.cpu):
-            print(problem, file=sys.stderr)
             self.controller.alarm(problem)
         clock = RealTimeClock(machine.cycle.period)
         self.memory.hli.head.running_r = True
