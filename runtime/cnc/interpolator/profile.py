@@ -123,9 +123,9 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
     (times the period), so that it reaches zero together with it. `B` is the jerk behind d (SLOWER) or at present (NOW).
     """
     if kind == REDUCE:
-        if abs(a) <= x:
-            return max(d, 0.0) + (x - abs(a)) * period * period
-        return d - (reduce_distance(v, a, x, J) if a > 0.0 else -reduce_distance(-v, -a, x, J))
+        if a <= x:
+            return max(d, 0.0) + (x - a) * period * period
+        return d - reduce_distance(v, a, x, J)
     if kind == PLACE:
         return d
     if kind == NOW:
@@ -151,8 +151,8 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: flo
     if kind == PLACE:
         return NEVER, NEVER
     if kind == REDUCE:
-        if abs(a) - x > 1e-9 * x:
-            return -math.copysign(J, a), (abs(a) - x) / J
+        if a - x > 1e-9 * x:
+            return -J, (a - x) / J
         return 0.0, (max(d, 0.0) + TOLERANCE) / v if v > 1e-9 and kind != NOW else NEVER
     if a > 0.0:
         return (-B, a / B) if kind == NOW else (-J, a / J)
@@ -215,11 +215,8 @@ def watch_cycle(
         a_top = J_up * T
     v_top = v + max(a_top, 0.0) * T
     s_top = v_top * T
-    hardest = max(A_up, -a)
     for i in range(count):
         near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
-        if kind[i] == REDUCE and not near:  # a braking that has to be taken back in time
-            near = hardest > x[i] and d[i] <= v_top * (T + (hardest - x[i]) / J[i])
         state[i] = 1 if near else 0
 
 
@@ -263,8 +260,7 @@ def drive(
         if T >= NEVER and v == 0.0 and a == 0.0:
             break
         jerk, t = NEVER, NEVER
-        least_jerk, least_t = -NEVER, NEVER
-        crossed = False
+        crossed, braked_by_wish = False, False
         for i in range(count):
             if state[i] == 0:
                 continue
@@ -286,12 +282,12 @@ def drive(
                 continue
             state[i] = 2
             jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], B[i], v, a)
-            if kind[i] == REDUCE and a < 0.0:  # to be taken back in time, whatever else asks for braking
-                if jerk_i > least_jerk or (jerk_i == least_jerk and t_i < least_t):
-                    least_jerk, least_t = jerk_i, t_i
+            if braked_by_wish and jerk_i < NEVER and kind[i] != REDUCE:
+                jerk, t, braked, braked_by_wish = jerk_i, t_i, i, False
             elif jerk_i < jerk or (jerk_i == jerk and t_i < t):
-                jerk, t = jerk_i, t_i
-                braked = i
+                jerk, t, braked = jerk_i, t_i, i
+                # NOW takes a braking back with the least jerk of what it crosses; who has to, knows better when.
+                braked_by_wish = i == 0 and a < 0.0 and jerk > 0.0
         if crossed:
             break
         if jerk >= NEVER:  # nothing binds: faster
@@ -304,8 +300,6 @@ def drive(
                 jerk, t = 0.0, NEVER
         elif jerk >= 0.0 and a > A_up * 1.000001:
             jerk, t = -J_up, (a - A_up) / J_up
-        if jerk < least_jerk:
-            jerk, t = least_jerk, least_t
         if a < 0.0 and jerk > 0.0 and v > 0.0 and 2.0 * v * jerk < a * a:
             # Braked with more jerk than is left here to take the braking back: a border came between. Not backwards.
             jerk = a * a / (2.0 * v)
