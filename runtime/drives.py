@@ -101,17 +101,22 @@ class IdealDrives:
     def __init__(self, n: int, initial_position: Floats | None = None) -> None:
         self.image = DriveImage(n)
         self._enabled: Flags = np.zeros(n, dtype=np.bool_)
+        self._orders_before = b""
         if initial_position is not None:
             self.image.actual_position[:] = initial_position
             self.image.target_position[:] = initial_position
 
     def start(self) -> None:
         self.image.state[:] = DriveState.SWITCH_ON_DISABLED
+        self._orders_before = b""
 
     def read(self) -> None:
         image = self.image
-        np.logical_and(image.enable, ~image.quick_stop, out=self._enabled)
-        image.state[:] = _STATES[self._enabled.view(np.int8)]
+        orders = image.enable.tobytes() + image.quick_stop.tobytes()
+        if orders != self._orders_before:
+            self._orders_before = orders
+            np.logical_and(image.enable, ~image.quick_stop, out=self._enabled)
+            image.state[:] = _STATES[self._enabled.view(np.int8)]
         np.copyto(image.actual_position, image.target_position, where=self._enabled)
         np.multiply(image.target_velocity, self._enabled, out=image.actual_velocity)
 

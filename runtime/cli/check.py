@@ -1,4 +1,4 @@
-"""`tandem check FILE…`: are the programs right? They are parsed and decoded, nothing moves."""
+"""`tandem check FILE…`: are the programs right? They are parsed, decoded and held against the software limits; nothing moves."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn
 
-from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program
+from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program, located
+from runtime.cnc.path_preparation import SoftwareLimits
+from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import Problem, TandemError
 
@@ -32,31 +34,37 @@ def command(
 ) -> None:
     """Parse and decode programs without motion. Errors as file:line:column: id: text; exit code 1 if there are any."""
     try:
-        setup = DecoderSetup.from_machine(load_machine(config))
+        machine = load_machine(config)
+        setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
     except TandemError as error:
-        typer.echo(str(error), err=True)
+        for problem in error.problems:
+            typer.echo(str(problem), err=True)
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, dialect)
+        problems, warnings = check(file, setup, limits, dialect)
         for problem in (*problems, *warnings):
             typer.echo(str(problem))
         failed |= bool(problems)
     raise typer.Exit(int(failed))
 
 
-def check(file: Path, setup: DecoderSetup, dialect: str = "isg") -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
-    """Errors and warnings of a program that starts with all axes at 0."""
+def check(
+    file: Path, setup: DecoderSetup, limits: SoftwareLimits, dialect: str = "isg"
+) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
+    """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it."""
     decoder: Decoder | None = None
     try:
         with _progress(file) as progress:
             program = load_program(file, setup, dialect, progress)
         try:
-            decoder = Decoder(program, setup, start=np.zeros(len(setup.axes)), idle_limit=IDLE_LIMIT)
-            for _ in decoder.blocks():
+            decoder = Decoder(program, setup, start=limits.nearest(np.zeros(len(setup.axes))), idle_limit=IDLE_LIMIT)
+            for _ in limits(decoder.blocks()):
                 if decoder.executed > EXECUTED_LIMIT:
                     typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                     break
+        except SoftwareLimitError as error:
+            return (located(program, error.problem),), tuple(decoder.warnings) if decoder else ()
         finally:
             program.close()
     except ProgramError as error:

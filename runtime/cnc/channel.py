@@ -49,8 +49,10 @@ _ACK = {
 _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _MVS_SVS = int(Synch.MVS_SVS)
+_FUNCTION, _BLOCK_END = int(RecordKind.FUNCTION), int(RecordKind.BLOCK_END)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
+_AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
 _WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
 _WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
@@ -79,6 +81,7 @@ class ChannelInputs:
 
     override: float = 1.0
     feed_hold: bool = False
+    axis_feed_hold: bool = False  # of an axis that takes part
     single_block: bool = False
     optional_stop: bool = False
     continue_motion: bool = False
@@ -206,8 +209,8 @@ class Channel:
 
     @property
     def held(self) -> bool:
-        """Feed hold is on and the path stands."""
-        return bool(self.stop_condition & _FEED_HOLD) and self.interpolator.standstill
+        """Feed hold is on, of the channel or of an axis, and the path stands."""
+        return bool(self.stop_condition & (_FEED_HOLD | _AXIS_FEED_HOLD)) and self.interpolator.standstill
 
     @property
     def waiting_functions(self) -> int:
@@ -241,6 +244,8 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
+        if inputs.axis_feed_hold:
+            stop |= _AXIS_FEED_HOLD
         if not axes_ready:
             stop |= _AXIS_NOT_READY
         if self._overflow:
@@ -251,16 +256,16 @@ class Channel:
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
         for index in path.passed:
-            self._pass(read_record(self.queue, index), index)
+            self._pass(index)
         if self.trace_blocks:
             self._trace_block()
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
-            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
+            self._tell_gap()
             self._clear()
         elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
-        elif self.phase is Phase.RUNNING and path.starved:
+        elif self.phase is Phase.RUNNING and (path.starved or self._failed_at_once()):
             stop |= self._out_of_blocks()
         if stop != self.stop_condition:
             standing = stop & ~_OVERRIDE_ZERO
@@ -275,14 +280,28 @@ class Channel:
             self._clear()
         return _NO_BLOCKS
 
+    def _tell_gap(self) -> None:
+        """The next block does not begin where the axes stand: an error of ours, seen before anything moved."""
+        path = self.interpolator
+        record = self.queue.record(path.next_index)
+        gap = np.abs(record["start"][: len(path.position)] - path.position)
+        axis = int(np.argmax(gap))
+        values = {"axis": axis + 1, "start": float(record["start"][axis]), "position": float(path.position[axis])}
+        self.problems.append(Problem(machine.PATH_APART, values, Place(self.program, int(record["line"]))))
+
+    def _failed_at_once(self) -> bool:
+        """The preparation has failed before it handed over anything: file missing, error found by the check of the file."""
+        return self.interpolator.nothing_known and self.link.state is PreparationState.FAILED
+
     def _tell_failure(self) -> None:
         if self.link.state is PreparationState.FAILED and not self._told_failure:
             self._told_failure = True
-            problem_id, line, text = self.link.problem
-            entry = CATALOGUE.get(problem_id, machine.PREPARATION_SILENT)
+            failure = self.link.problem
+            entry = CATALOGUE.get(failure.id, machine.PREPARATION_SILENT)
             told = ErrorEntry(entry.id, "{text}", entry.severity, Reaction.NONE, entry.remedy)
             self.error = told
-            self.problems.append(Problem(told, {"text": text}, Place(self.program, line)))
+            place = Place(failure.file or self.program, failure.line, failure.column)
+            self.problems.append(Problem(told, {"text": failure.text}, place))
 
     def _cleared(self) -> None:
         self._tell_failure()
@@ -353,11 +372,12 @@ class Channel:
 
     # ------------------------------------------------------------------ technology functions
 
-    def _pass(self, record: QueueRecord, index: int) -> None:
-        if record.kind is RecordKind.FUNCTION:
-            if self._overflow or not self._put_out(record):
+    def _pass(self, index: int) -> None:
+        kind = self.queue.kind(index)
+        if kind == _FUNCTION:
+            if self._overflow or not self._put_out(read_record(self.queue, index)):
                 self._overflow.append(index)
-        elif record.kind is RecordKind.BLOCK_END:
+        elif kind == _BLOCK_END:
             self.block_counter += 1
 
     def _put_out_overflow(self) -> None:

@@ -114,6 +114,7 @@ class MotionQueue:
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
         self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=_HEAD + _NAMES)
+        self._kinds = self.records["kind"]
         self._known: dict[str, int] = {}
 
     # ------------------------------------------------------------------ producer
@@ -162,6 +163,10 @@ class MotionQueue:
         """The record of an absolute index; valid while it is not freed. Fields by name, as in `RECORD`."""
         return self.records[index % self.capacity]
 
+    def kind(self, index: int) -> int:
+        """RecordKind of the record of an absolute index, as a plain number."""
+        return int(self._kinds[index % self.capacity])
+
     def program_name(self, program: int) -> str:
         """The name behind a program id."""
         return bytes(self._names[program % PROGRAMS]).decode("utf-8", "replace")
@@ -177,7 +182,7 @@ class MotionQueue:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self.counters, self._names, self.records
+        del self.counters, self._names, self.records, self._kinds
         if unlink:
             remove_shared(memory)
         else:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 from multiprocessing import shared_memory
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,7 @@ from runtime.diagnostics.memory import open_shared, release_shared, remove_share
 
 AXES = 8
 TEXT = 400
+FILE = 304
 
 
 class Order(IntEnum):
@@ -36,6 +38,7 @@ class PreparationState(IntEnum):
     FAILED = 3  # the problem tells why; what was prepared before it is in the queue
 
 
+_RUNNING = int(PreparationState.RUNNING)
 _RECORD = np.dtype(
     [
         ("order", "u4"),
@@ -48,7 +51,8 @@ _RECORD = np.dtype(
         ("problem_line", "i4"),
         ("problem_column", "i4"),
         ("start", "f8", (AXES,)),
-        ("program", "S304"),
+        ("program", f"S{FILE}"),
+        ("problem_file", f"S{FILE}"),
         ("problem_text", f"S{TEXT}"),
     ],
     align=True,
@@ -64,6 +68,19 @@ class StartOrder:
     skip_levels: int
 
 
+class Failure(NamedTuple):
+    """What stopped the preparation: catalogue id (0: nothing), text, and the place in the program."""
+
+    id: int
+    text: str
+    file: str = ""
+    line: int = 0  # 0: unknown
+    column: int = 0
+
+
+NO_FAILURE = Failure(0, "")
+
+
 class PreparationLink:
     """Both ends of the link; in shared memory when `name` is given."""
 
@@ -77,9 +94,10 @@ class PreparationLink:
             assert self._memory.buf is not None
             buffer = self._memory.buf
         self._record = np.frombuffer(buffer, dtype=_RECORD, count=1)[0:1]
+        self._fields = {name: self._record[name] for name in _RECORD.names or ()}  # views: making one takes its time
 
     def _get(self, name: str) -> int:
-        return int(self._record[name][0])
+        return int(self._fields[name][0])
 
     # ------------------------------------------------------------------ the cycle's side
 
@@ -116,10 +134,17 @@ class PreparationLink:
         return PreparationState(self._get("state"))
 
     @property
-    def problem(self) -> tuple[int, int, str]:
-        """Catalogue id (0: none), program line, and whole text of what stopped the preparation."""
-        text = bytes(self._record["problem_text"][0]).decode("utf-8", "replace")
-        return self._get("problem_id"), self._get("problem_line"), text
+    def running(self) -> bool:
+        """More blocks may come."""
+        return self._get("state") == _RUNNING
+
+    @property
+    def problem(self) -> Failure:
+        """What stopped the preparation."""
+        text, file = (
+            bytes(self._record[name][0]).decode("utf-8", "replace") for name in ("problem_text", "problem_file")
+        )
+        return Failure(self._get("problem_id"), text, file, self._get("problem_line"), self._get("problem_column"))
 
     # ------------------------------------------------------------------ the preparation's side
 
@@ -143,19 +168,21 @@ class PreparationLink:
     def answer(self) -> None:
         self._record["answer"][0] = self._record["order"][0]
 
-    def finish(self, state: PreparationState, problem_id: int = 0, line: int = 0, text: str = "") -> None:
+    def finish(self, state: PreparationState, failure: Failure = NO_FAILURE) -> None:
         """Tell how it ended; the state is written last."""
         record = self._record
-        record["problem_text"][0] = text.encode("utf-8", "replace")[:TEXT]
-        record["problem_line"][0] = line
-        record["problem_id"][0] = problem_id
+        record["problem_text"][0] = failure.text.encode("utf-8", "replace")[:TEXT]
+        record["problem_file"][0] = failure.file.encode("utf-8", "replace")[:FILE]
+        record["problem_line"][0] = failure.line
+        record["problem_column"][0] = failure.column
+        record["problem_id"][0] = failure.id
         record["state"][0] = state
 
     def close(self, *, unlink: bool = False) -> None:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self._record
+        del self._record, self._fields
         if unlink:
             remove_shared(memory)
         else:

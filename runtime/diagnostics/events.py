@@ -121,6 +121,8 @@ class EventRing:
         """All events that have come since the last call; called by the one reader."""
         events: list[Event] = []
         read, written = int(self._counters[1]), int(self._counters[0])
+        if read == written:
+            return events
         for index in range(read, written):
             r = self._records[index % CAPACITY]
             events.append(

@@ -8,6 +8,7 @@ operator the defaults hold: override 100 %, no feed hold, axes released (hli.mec
 
 from __future__ import annotations
 
+import ctypes
 from dataclasses import dataclass
 
 from runtime.diagnostics.errors import Problem
@@ -134,6 +135,28 @@ def _wish(order: ModeState) -> Wish:
     return Wish(order.to_mode, order.to_state, get_text(order, "parameter"), order.from_mode, order.from_state)
 
 
+class Changes:
+    """Tells cheaply whether anybody has written into a run of elements since the last look.
+
+    Look first, sample then: what is written in between is a change at the next look, so nothing is lost. The sampler's own
+    writes are one too; then it samples once more than it had to.
+    """
+
+    def __init__(self, structure: ctypes.Structure, first: str, last: str) -> None:
+        """Looks at the elements from `first` to `last`."""
+        begin, end = getattr(type(structure), first), getattr(type(structure), last)
+        self._raw = memoryview(structure).cast("B")[begin.offset : end.offset + end.size]
+        self._before = b""
+
+    def look(self) -> bool:
+        """Whether anything is other than at the last look; TRUE at the first one."""
+        now = self._raw.tobytes()
+        if now == self._before:
+            return False
+        self._before = now
+        return True
+
+
 class ChannelCommands:
     """All control units of a channel; `sample` once per cycle, then read the attributes."""
 
@@ -141,8 +164,12 @@ class ChannelCommands:
         """`max_override` is P-CHAN-00056, 0.1 %."""
         control: ChannelControl = channel.control
         self._channel = channel
+        self._status = channel.status
         self._control = control
         self._operator = operator
+        self._changes = Changes(control, "feedhold", "reset")
+        self._operator_changes = Changes(operator, "override_w", "reset_rw")
+        self._flags_before = (False, False)
         self._max_override = max_override
         self._continue = OneShot(control.continue_motion, operator, "continue_motion_rw")
         self._reset = OneShot(control.reset, operator, "reset_rw")
@@ -157,8 +184,14 @@ class ChannelCommands:
 
     def sample(self) -> None:
         """Read what is commanded in this cycle and report it in the `state_r` of the units."""
+        present, waits = self._channel.plc_present_w, self._status.wait_continue_r
+        flags = (present, waits)
+        changed = self._changes.look() | self._operator_changes.look()
+        if flags == self._flags_before and not changed:
+            self.continue_motion = self.reset = False
+            return
+        self._flags_before = flags
         control, operator = self._control, self._operator
-        present = bool(self._channel.plc_present_w)
         self.feed_hold = sample_bool(control.feedhold, present, bool(operator.feedhold_w))
         override = min(sample_uns32(control.override, present, int(operator.override_w)), self._max_override)
         if not sample_bool(control.override_valid, present, True):
@@ -169,7 +202,7 @@ class ChannelCommands:
         self.optional_stop = sample_bool(control.optional_stop, present, bool(operator.optional_stop_w))
         self.skip_levels = sample_uns32(control.program_block_ignore, present, int(operator.program_block_ignore_w))
         self.continue_motion = self._continue.sample(present)
-        if not self._channel.status.wait_continue_r:
+        if not waits:
             self._continue.withdraw()
         self.reset = self._reset.sample(present)
 
@@ -182,9 +215,8 @@ class AxisCommands:
         self._axis = axis
         self._control = control
         self._max_override = max_override
-        self._raw = memoryview(control).cast("B")
-        self._sampled = b""
-        self._present_before = False
+        self._changes = Changes(control, "drive_on", "override_valid")
+        self._present_before: bool | None = None
         self._reset = OneShot(control.reset)
         self.drive_on = True
         self.release = True  # feed enable
@@ -192,14 +224,18 @@ class AxisCommands:
         self.override = 1.0  # spindles and axes moved alone
         self.reset = False  # TRUE in one cycle only
 
-    def sample(self) -> None:
-        """Read what is commanded in this cycle; without a PLC drives are on, axes released, override 100 %."""
-        control = self._control
-        present = bool(self._axis.plc_present_w)
-        if present == self._present_before and bytes(self._raw) == self._sampled:
+    def sample(self) -> bool:
+        """Read what is commanded in this cycle; without a PLC drives are on, axes released, override 100 %.
+
+        FALSE if nobody has written since the last cycle: everything is as it was, and `reset` is FALSE.
+        """
+        present = self._axis.plc_present_w
+        changed = self._changes.look()
+        if present == self._present_before and not changed:
             self.reset = False
-            return  # nothing has been written since the last cycle
+            return False
         self._present_before = present
+        control = self._control
         self.drive_on = sample_bool(control.drive_on, present, True)
         self.release = sample_bool(control.release_feedhold, present, True)
         self.feed_hold = sample_bool(control.feedhold, present, False)
@@ -209,4 +245,4 @@ class AxisCommands:
         control.override.state_r = override
         self.override = override / FULL_OVERRIDE
         self.reset = self._reset.sample(present)
-        self._sampled = bytes(self._raw)
+        return True

@@ -23,12 +23,15 @@ class AlarmList:
         self._history = AlarmHistory(hli)
         self._events = events
         self._wall_clock = wall_clock
+        self.on_problem: Callable[[Problem], None] | None = None  # simulation: the problems themselves
 
     def add(self, problem: Problem, *, time: float = 0.0, cycle: int = 0, axis: int = -1) -> int:
         """Put a problem into history and event ring; returns its number in the history, by which it is closed.
 
         `axis` is the index in the machine description, -1 for none.
         """
+        if self.on_problem is not None:
+            self.on_problem(problem)
         text = problem.text
         if problem.place.file or problem.place.line:
             text = f"{problem.place}: {text}"

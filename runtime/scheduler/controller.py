@@ -41,6 +41,7 @@ from runtime.scheduler.plc_link import PlcPartner, PlcSupervision
 from runtime.scheduler.publish import Publisher
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 _ENABLED = int(DriveState.OPERATION_ENABLED)
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
@@ -72,7 +73,7 @@ class Controller:
         self.memory = memory
         self.events = events
         hli = memory.hli
-        self._hli = hli
+        self._head, self._platform = hli.head, hli.platform
         self.alarms = AlarmList(hli, events, wall_clock)
         described = machine.channels[0]
         self._path_axes = np.array([machine.axis_index(name) for name in described.axes])
@@ -98,10 +99,13 @@ class Controller:
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
-        self._wanted = np.zeros(len(machine.axes), dtype=np.bool_)
+        self._none_on = np.zeros(len(machine.axes), dtype=np.bool_)
+        self._states: list[int] = drives.image.state.tolist()
+        self._enabled = [state == _ENABLED for state in self._states]
+        self._path_enabled = False
         self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
-        self._states_before = drives.image.state.copy()
         self._process_lost_before = 0
+        self._astray: set[int] = set()  # path axes that were lost while the program ran
         self._stopping = False
         self._moving_before = False
 
@@ -111,8 +115,8 @@ class Controller:
         """One cycle at `time` seconds since the start of the runtime."""
         self.time = time
         self.cycle_number += 1
-        self._hli.head.cycle_r = self.cycle_number
-        self._hli.head.time_ns_r = int(time * 1e9)
+        self._head.cycle_r = self.cycle_number
+        self._head.time_ns_r = int(time * 1e9)
         self.drives.read()
         self.publisher.inputs()
         self.orders.sample()
@@ -127,22 +131,27 @@ class Controller:
     def _move(self) -> None:
         """Path and spindles: one set-point for every axis."""
         image = self.drives.image
-        enabled = (image.state == _ENABLED).tolist()
-        path_enabled = all(enabled[i] for i in self._path_list)
-        ready = path_enabled and self.orders.axes_released
-        self.channel.step(self.orders.inputs, ready, image.actual_velocity, self.time, self.cycle_number)
+        enabled = self._enabled
+        self.channel.step(self.orders.inputs, self._path_enabled, image.actual_velocity, self.time, self.cycle_number)
         if self.channel.active:
-            if path_enabled:
+            if self._path_enabled and not self._astray:
                 image.target_position[self._path_axes] = self.interpolator.position
             else:  # an axis without its drive tracks, the others still brake on the path
-                for k, i in enumerate(self._path_list):
-                    if enabled[i]:
-                        image.target_position[i] = self.interpolator.position[k]
+                self._brake_without_lost_axes(enabled)
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
-        for problem in self._take_problems():
-            self.alarm(problem)
+        if self.channel.problems:
+            for problem in self._take_problems():
+                self.alarm(problem)
+
+    def _brake_without_lost_axes(self, enabled: list[bool]) -> None:
+        """An axis that has left the path stays off it until the program is over: going back to it would be a jump."""
+        for k, i in enumerate(self._path_list):
+            if not enabled[i]:
+                self._astray.add(i)
+            elif i not in self._astray:
+                self.drives.image.target_position[i] = self.interpolator.position[k]
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []
@@ -154,9 +163,8 @@ class Controller:
 
     def _watch_axes(self) -> None:
         image = self.drives.image
-        self.orders.drives_wanted(self._wanted)
-        if self._stopping and self._at_rest():
-            self._wanted[:] = False
+        self._follow_states()
+        wanted = self._none_on if self._stopping and self._at_rest() else self.orders.drives_on
         while image.events:  # before the axes are judged: the bus knows the cause
             event = image.events.popleft()
             problem = problem_of(event, self.machine)
@@ -166,21 +174,29 @@ class Controller:
                 elif event.node == 0:  # the bus itself
                     self._told[:] = True
             self.alarm(problem, event.axis)
-        for fault in self.supervision.monitor(self._wanted):
+        for fault in self.supervision.monitor(wanted):
             self._axis_fault(fault)
-        self._watch_tracking()
-        if np.array_equal(image.state, self._states_before):
-            return
-        for i in np.flatnonzero(image.state != self._states_before):
-            self._event(EventKind.DRIVE, number=int(i), value=float(image.state[i]), axis=int(i))
-        self._states_before[:] = image.state
+        if not self._path_enabled:
+            self._watch_tracking(wanted)
 
-    def _watch_tracking(self) -> None:
+    def _follow_states(self) -> None:
+        """An event for each drive that has changed its state."""
+        states = self.drives.image.state.tolist()
+        if states == self._states:
+            return
+        for i, (before, state) in enumerate(zip(self._states, states, strict=True)):
+            if state != before:
+                self._event(EventKind.DRIVE, number=i, value=float(state), axis=i)
+        self._states = states
+        self._enabled = [state == _ENABLED for state in states]
+        self._path_enabled = all(self._enabled[i] for i in self._path_list)
+
+    def _watch_tracking(self, wanted: Flags) -> None:
         """A program cannot go on with an axis that was switched off: it would jump when it is switched on again."""
         if not self.channel.active or self.channel.error is not None or self._stopping:
             return
         for i in self._path_list:
-            if not self._wanted[i] and not self.supervision.enabled[i]:
+            if not wanted[i] and not self._enabled[i]:
                 self.alarm(Problem(alarms.AXIS_TRACKING, {"axis": self.machine.axes[i].name}), i)
                 return
 
@@ -209,7 +225,7 @@ class Controller:
         if problem is not None:
             self.alarm(problem)
         plc.reports(self.alarm, self.alarms.close)
-        platform = self._hli.platform
+        platform = self._platform
         if platform.process_lost_w != self._process_lost_before:
             self._process_lost_before = int(platform.process_lost_w)
             text = get_text(platform, "process_lost_text_w")
@@ -241,6 +257,7 @@ class Controller:
             self.alarm(problem)
             return
         position = self.drives.image.target_position[self._path_axes].copy()
+        self._astray.clear()
         self.publisher.program(program)
         self.channel.start(program, position, self.orders.skip_levels)
 

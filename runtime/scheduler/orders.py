@@ -18,13 +18,13 @@ class Orders:
 
     def __init__(self, machine: Machine, hli: Hli) -> None:
         described = machine.channels[0]
-        self._hli = hli
+        self._channel = hli.channels[0]
         self._channel_commands = ChannelCommands(hli.channels[0], hli.operator[0], described.parameters.max_vb_override)
         self._axis_commands = [AxisCommands(hli.axes[i]) for i in range(len(machine.axes))]
         self._path_commands = [self._axis_commands[machine.axis_index(name)] for name in described.axes]
         self._unit = hli.channels[0].control.mode_and_state
         self.inputs = ChannelInputs()
-        self.axes_released = True
+        self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.mode = Mode.STANDBY
         self.state = State.SELECTED
         self.mode_changed = False
@@ -36,23 +36,23 @@ class Orders:
         self._wish: Wish | None = None
 
     def sample(self) -> None:
-        """Start of the cycle: read every control unit."""
+        """Start of the cycle: read every control unit; `drives_on` (n_axes,) tells which drives shall be on."""
         commands = self._channel_commands
         commands.sample()
+        changed = False
         for axis in self._axis_commands:
-            axis.sample()
-        self.axes_released = all(axis.release and not axis.feed_hold for axis in self._path_commands)
+            if axis.sample():
+                changed = True
+        if changed:
+            self.inputs.axis_feed_hold = any(axis.feed_hold or not axis.release for axis in self._path_commands)
+            self.drives_on[:] = [axis.drive_on for axis in self._axis_commands]
+            self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs
         inputs.override = commands.override
         inputs.feed_hold = commands.feed_hold or self._hold
         inputs.single_block = commands.single_block
         inputs.optional_stop = commands.optional_stop
         inputs.continue_motion = commands.continue_motion
-
-    def drives_wanted(self, wanted: npt.NDArray[np.bool_]) -> None:
-        """Fill `wanted` (n_axes,): which drives shall be on."""
-        for i, axis in enumerate(self._axis_commands):
-            wanted[i] = axis.drive_on
 
     def spindle_override(self, axis: int) -> float:
         """Share of the programmed speed."""
@@ -66,8 +66,6 @@ class Orders:
     def take_reset(self) -> bool:
         """A reset is ordered in this cycle, by the channel's unit, an axis' unit or the mode unit."""
         ordered = self._channel_commands.reset or self._reset_ordered
-        for axis in self._axis_commands:
-            ordered = ordered or axis.reset
         self._reset_ordered = False
         return ordered
 
@@ -100,7 +98,7 @@ class Orders:
     def _take_order(self) -> Problem | None:
         modes = self._channel_commands.modes
         if self._wish is None:
-            order = modes.take(bool(self._hli.channels[0].plc_present_w))
+            order = modes.take(self._channel.plc_present_w)
             if order is None:
                 return None
             self._wish = order.wish

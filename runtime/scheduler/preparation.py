@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from runtime.cnc.blocks import Block
-from runtime.cnc.decoder import Decoder, DecoderSetup, load_program
+from runtime.cnc.decoder import Decoder, DecoderSetup, Program, load_program, located
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits
-from runtime.cnc.preparation_link import Order, PreparationLink, PreparationState
+from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
 
@@ -39,9 +39,7 @@ class Preparation:
         self._names = machine.channels[channel].axes
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
-        self._software_limits = SoftwareLimits(
-            self._names, [axis.position_min for axis in axes], [axis.position_max for axis in axes]
-        )
+        self._software_limits = SoftwareLimits.of(machine, channel)
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
         self._link = link
@@ -49,6 +47,7 @@ class Preparation:
         self._on_block = on_block
         self._blocks: Iterator[Block] | None = None
         self._writer: QueueWriter | None = None
+        self._program: Program | None = None
         self.decoder: Decoder | None = None  # of the last program, for its parameters
 
     def poll(self) -> PumpState:
@@ -76,8 +75,11 @@ class Preparation:
 
     def _begin(self) -> None:
         order = self._link.read_start()
+        if self._program is not None:
+            self._program.close()
+            self._program = None
         try:
-            program = load_program(Path(order.program), self._setup, self._dialect)
+            program = self._program = load_program(Path(order.program), self._setup, self._dialect)
         except TandemError as error:
             self._fail(error)
             return
@@ -101,5 +103,7 @@ class Preparation:
 
     def _fail(self, error: TandemError) -> None:
         self._blocks = None
-        problem = error.problem
-        self._link.finish(PreparationState.FAILED, problem.entry.id, problem.place.line, problem.text)
+        problem = error.problem if self._program is None else located(self._program, error.problem)
+        place = problem.place
+        failure = Failure(problem.entry.id, problem.text, place.file, place.line, place.column)
+        self._link.finish(PreparationState.FAILED, failure)

@@ -31,7 +31,7 @@ from runtime.hli.memory import HliMemory
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
-from runtime.scheduler.preparation import Preparation
+from runtime.scheduler.preparation import BATCH, Preparation
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Floats = npt.NDArray[np.float64]
@@ -126,7 +126,10 @@ class Simulation:
         self.controller.channel.trace_blocks = trace is not None
         self.memory.hli.head.running_r = True
         self.log: list[Event] = []  # every event so far
+        self.problems: list[Problem] = []  # every alarm so far
+        self.controller.alarms.on_problem = self.problems.append
         self._quiet_since = 0.0
+        self._room = 0  # free records in the queue from which the preparation goes on
 
     # ------------------------------------------------------------------ building
 
@@ -179,9 +182,11 @@ class Simulation:
         self.after_cycle()
 
     def before_cycle(self) -> None:
-        """The preparation fills the queue, the time goes on."""
-        while self.preparation.poll() is PumpState.MORE:
-            pass
+        """The preparation fills the queue, a batch at a time, and the time goes on."""
+        if self.queue.free >= self._room or not self.link.answered:
+            while (state := self.preparation.poll()) is PumpState.MORE:
+                pass
+            self._room = BATCH if state is PumpState.FULL else self.queue.capacity + 1  # or nothing more comes
         self._advance()
 
     def after_cycle(self) -> None:
@@ -230,13 +235,14 @@ class Simulation:
 
     def run_program(self, program: Path, *, progress: Callable[[float, int], None] | None = None) -> Result:
         """From cycle start to program end, or to the error that ends it."""
-        if not self.run_until(self.ready, START_LIMIT):
-            return self._result(0.0, [str(Problem(alarms.NOT_READY, {"seconds": START_LIMIT}))])
+        channel = self.controller.channel
+        if not self.run_until(lambda: self.ready() or channel.error is not None, START_LIMIT):
+            self.problems.append(Problem(alarms.NOT_READY, {"seconds": START_LIMIT}))
+        if not self.ready():
+            return self._result(0.0)
         self.start(program)
         begin = self.time
         self.cycle()
-        channel = self.controller.channel
-        extra: list[str] = []
         for count in itertools.count():
             if not channel.active:
                 break
@@ -246,11 +252,13 @@ class Simulation:
                 self._quiet_since = self.time
             if self.time - self._quiet_since > STANDING_LIMIT:
                 waits = StopCondition(channel.stop_condition)
-                extra.append(str(Problem(alarms.SIMULATION_STANDS, {"seconds": STANDING_LIMIT, "waits": waits.name})))
+                self.problems.append(
+                    Problem(alarms.SIMULATION_STANDS, {"seconds": STANDING_LIMIT, "waits": waits.name})
+                )
                 break
             if progress and count % 1000 == 0:
                 progress(self.time - begin, channel.interpolator.line)
-        return self._result(self.time - begin, extra)
+        return self._result(self.time - begin)
 
     def _simulated_operator(self) -> None:
         """Presses continue where the program waits for it (M00, single block)."""
@@ -258,20 +266,15 @@ class Simulation:
         if waits and self.time - self._quiet_since > CONTINUE_AFTER:
             self.memory.hli.operator[0].continue_motion_rw = True
 
-    def _result(self, time: float, extra: list[str]) -> Result:
+    def _result(self, time: float) -> Result:
         image = self.drives.image
         names = self.machine.channels[0].axes
         decoder = self.preparation.decoder
-        errors = [
-            f"{event.number}: {event.text}"
-            for event in self.log
-            if event.kind is EventKind.ERROR and event.value >= Severity.ERROR
-        ]
         return Result(
             time=time,
             path_length=self.controller.channel.path_length,
             positions={name: float(image.target_position[self.machine.axis_index(name)]) for name in names},
-            problems=errors + extra,
+            problems=[_told(problem) for problem in self.problems if problem.entry.severity >= Severity.ERROR],
             events=list(self.log),
             parameters=dict(decoder.parameters) if decoder else {},
             cycles=self.controller.cycle_number,
@@ -292,6 +295,11 @@ class Simulation:
     def __exit__(self, *_exception: object) -> None:
         if self.writer is None:
             self.close()
+
+
+def _told(problem: Problem) -> str:
+    """`file:line:column: id: text`, without the place if there is none."""
+    return str(problem) if problem.place.file or problem.place.line else f"{problem.entry.id}: {problem.text}"
 
 
 class PlantOnImage:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime.cnc.preparation_link import Order, PreparationLink, PreparationState, StartOrder
+from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 
 
 def test_an_order_crosses_shared_memory_and_is_answered() -> None:
@@ -19,9 +19,9 @@ def test_an_order_crosses_shared_memory_and_is_answered() -> None:
         preparation.answer()
         assert cycle.answered
         assert cycle.state is PreparationState.RUNNING
-        preparation.finish(PreparationState.FAILED, 300001, 17, "x" * 1000)
+        preparation.finish(PreparationState.FAILED, Failure(300001, "x" * 1000, "/nc/ß.nc", 17, 4))
         assert cycle.state is PreparationState.FAILED
-        assert cycle.problem == (300001, 17, "x" * 400)
+        assert cycle.problem == Failure(300001, "x" * 400, "/nc/ß.nc", 17, 4)
     finally:
         preparation.close()
         cycle.close(unlink=True)
@@ -29,9 +29,9 @@ def test_an_order_crosses_shared_memory_and_is_answered() -> None:
 
 def test_a_new_start_forgets_the_old_problem() -> None:
     link = PreparationLink(2)
-    link.finish(PreparationState.FAILED, 300001, 17, "old")
+    link.finish(PreparationState.FAILED, Failure(300001, "old"))
     link.start(StartOrder("a.nc", np.zeros(2), 0))
-    assert link.problem[0] == 0
+    assert link.problem.id == 0
     link.answer()
     link.abort()
     assert link.waiting_order is Order.ABORT

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import Problem
-from runtime.hli.control import AxisCommands, ChannelCommands, ModeOrders, OneShot, sample_bool, sample_uns32
+from runtime.hli.control import AxisCommands, Changes, ChannelCommands, ModeOrders, OneShot, sample_bool, sample_uns32
 from runtime.hli.layout import BoolUnit, Hli, Mode, State, Uns32Unit
 from runtime.hli.memory import HliMemory, get_text, put_text
 from runtime.hli.modes import Wish
@@ -105,6 +105,31 @@ def test_the_operator_switches_what_no_plc_claims(hli: Hli) -> None:
 
 
 @pytest.mark.spec("hli.ch.cu.continue", "hli.ch.cu.reset")
+def test_nothing_written_between_look_and_sampling_is_lost(hli: Hli) -> None:
+    control = hli.channels[0].control
+    changes = Changes(control, "feedhold", "reset")
+    assert changes.look()  # the first time
+    control.feedhold.command_w = True  # after the look, while the units are sampled
+    assert changes.look()
+    assert not changes.look()
+    control.mode_and_state.enable_w = True  # not among the elements that are looked at
+    assert not changes.look()
+    control.reset.enable_w = True  # the last of them
+    assert changes.look()
+
+
+def test_sampling_goes_on_where_something_is_written(hli: Hli) -> None:
+    axis = AxisCommands(hli.axes[0])
+    assert axis.sample()
+    while axis.sample():  # its own writes
+        pass
+    hli.axes[0].plc_present_w = True
+    assert axis.sample()
+    hli.axes[0].control.feedhold.command_w = hli.axes[0].control.feedhold.enable_w = True
+    assert axis.sample()
+    assert axis.feed_hold
+
+
 def test_one_shots_act_once_per_order(hli: Hli) -> None:
     channel = ChannelCommands(hli.channels[0], hli.operator[0])
     hli.operator[0].reset_rw = True

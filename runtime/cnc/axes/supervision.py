@@ -103,7 +103,7 @@ class AxisSupervision:
         self.faults: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # 0 or FAULT_*, kept until reset
         self._linear: Flags = np.array([axis.type is not AxisType.SPINDLE for axis in machine.axes])
         self._lag_limit: Floats = np.array([axis.following_error for axis in machine.axes])
-        self._window: Floats = np.array([axis.in_position for axis in machine.axes])
+        self.window: Floats = np.array([axis.in_position for axis in machine.axes])  # of standstill
         self._was_enabled: Flags = np.zeros(n, dtype=np.bool_)
         self._new: States = np.zeros(n, dtype=np.int8)
         self._leave: Flags = np.zeros(n, dtype=np.bool_)
@@ -118,7 +118,7 @@ class AxisSupervision:
     @property
     def in_position(self) -> Flags:
         """(n,) following error within the window of standstill."""
-        return np.abs(self.lag) <= self._window
+        return np.abs(self.lag) <= self.window
 
     def monitor(self, wanted: Flags) -> list[AxisFault]:
         """After the fieldbus was read: new faults, and the enables and tracking set-points of this cycle.

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from runtime.cnc.decoder.decoder import Decoder
+from runtime.cnc.decoder.locate import located
 from runtime.cnc.decoder.setup import DecoderSetup, DecoderSetupError, SpindleSetup, parse_synch
 from runtime.cnc.language.errors import ProgramError, ProgramErrors
 from runtime.cnc.language.isg.loader import load
@@ -25,6 +26,7 @@ __all__ = [
     "ProgramErrors",
     "SpindleSetup",
     "load_program",
+    "located",
     "parse_synch",
 ]
 

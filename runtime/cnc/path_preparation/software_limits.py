@@ -14,6 +14,7 @@ import numpy.typing as npt
 from runtime.cnc.blocks import Arc, Block, Line, Polyline
 from runtime.cnc.geometry.elements import cosine_range
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
+from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue.motion import SOFTWARE_LIMIT
 from runtime.diagnostics.errors import Place
 
@@ -50,6 +51,17 @@ class SoftwareLimits:
         self._names = list(names)
         self._low: Floats = np.array([-np.inf if p is None else p for p in position_min]) - ROUNDING
         self._high: Floats = np.array([np.inf if p is None else p for p in position_max]) + ROUNDING
+
+    @classmethod
+    def of(cls, machine: Machine, channel: int = 0) -> SoftwareLimits:
+        """The limits of the axes of a channel."""
+        names = machine.channels[channel].axes
+        axes = [machine.axes[machine.axis_index(name)] for name in names]
+        return cls(names, [axis.position_min for axis in axes], [axis.position_max for axis in axes])
+
+    def nearest(self, position: Floats) -> Floats:
+        """The place within the limits that is nearest to `position`, both (n_axes,)."""
+        return np.clip(position, self._low, self._high)
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         for block in blocks:

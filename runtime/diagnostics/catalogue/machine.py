@@ -91,7 +91,7 @@ AXIS_MOVED = ErrorEntry(
 )
 PATH_APART = ErrorEntry(
     306025,
-    "the next block does not begin where the axes stand; nothing was moved",
+    "the next block begins at {start:.6f} of axis {axis}, but it stands at {position:.6f}; nothing was moved",
     reaction=Reaction.STOP_ON_PATH,
     remedy="this is an error of the runtime; keep the program and report it",
 )
