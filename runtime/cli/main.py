@@ -17,7 +17,7 @@ import typer
 
 from runtime.cli import INTERRUPTED
 from runtime.diagnostics.catalogue import system
-from runtime.diagnostics.errors import TandemError
+from runtime.diagnostics.errors import Place, TandemError
 from runtime.diagnostics.version import version
 
 
@@ -44,6 +44,10 @@ class CommandError(TandemError):
     """A sub-command that is not there."""
 
 
+class FileError(TandemError):
+    """A file that the user named cannot be read or written."""
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; the exit code is 0 done, 1 error of the catalogue, 2 wrong usage, 130 interrupted."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
@@ -62,10 +66,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except TandemError as error:
-        for problem in error.problems:
-            print(problem.explained(), file=sys.stderr)
-        return 1
+        return _tell(error)
+    except OSError as error:
+        if error.filename is None:  # not the user's file
+            raise
+        return _tell(FileError(system.FILE_FAILED, Place(file=str(error.filename)), reason=error.strerror))
     return 0
+
+
+def _tell(error: TandemError) -> int:
+    for problem in error.problems:
+        print(problem.explained(), file=sys.stderr)
+    return 1
 
 
 def _start(application: typer.Typer, arguments: Sequence[str], name: str) -> None:

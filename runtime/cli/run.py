@@ -25,34 +25,44 @@ DEMO_PROGRAM = Path(__file__).parents[1] / "demo" / "plate.nc"
 
 
 def command(
-    config: Annotated[Path | None, typer.Option("-c", "--config", help="machine description (YAML)")] = None,
-    dialect: Annotated[str, typer.Option(help="isg or nct")] = "isg",
-    name: Annotated[str, typer.Option(help="name of the HLI in shared memory")] = "tandem",
-    program: Annotated[
-        Path | None, typer.Option(help="start this program as soon as the machine is ready, end with it")
+    config: Annotated[
+        Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    demo: Annotated[bool, typer.Option("--demo", help="mill the built-in program on the demo machine")] = False,
+    dialect: Annotated[str, typer.Option(help="Dialect of the programs: isg or nct.")] = "isg",
+    name: Annotated[str, typer.Option(help="Name of the runtime: that of its shared memory.")] = "tandem",
+    program: Annotated[
+        Path | None, typer.Option(help="Start this program as soon as the machine is ready, and end with it.")
+    ] = None,
+    demo: Annotated[bool, typer.Option("--demo", help="Mill the built-in program on the built-in machine.")] = False,
     simulated_drives: Annotated[
         bool,
-        typer.Option(
-            "--simulated-drives", help="start simulated drives on the machine's bus (the demo machine always)"
-        ),
+        typer.Option("--simulated-drives", help="Put simulated drives on the machine's bus, as the demo machine has."),
     ] = False,
     plot: Annotated[
-        Path | None, typer.Option(help="at the end, draw the path that the axes took into this PNG file")
+        Path | None, typer.Option(help="At the end of the program draw the path of the axes into this PNG file.")
     ] = None,
-    verbose: Annotated[bool, typer.Option("--verbose", help="tell every event, not only what is wrong")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Tell every event, not only what is wrong.")] = False,
 ) -> None:
     """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
     from runtime.cli.preparing import prepare_kernels
+    from runtime.cnc.decoder import ProgramError, expect_dialect
     from runtime.config import load_machine
+    from runtime.diagnostics.catalogue.language import FILE_MISSING
+    from runtime.diagnostics.errors import Place
     from runtime.scheduler.journal import NativeJournal, open_journal
     from runtime.scheduler.session import Session
     from runtime.scheduler.supervisor import RunOptions
 
+    if demo and config is not None:
+        raise typer.BadParameter("--demo brings its own machine; leave -c out, or start a program with --program")
     if demo:
         program = program or DEMO_PROGRAM
         plot = plot or Path("tandem-demo.png")
+    expect_dialect(dialect)
+    if program is not None and not program.is_file():
+        raise ProgramError(FILE_MISSING, Place(file=str(program)), file=program)
+    if plot is not None:
+        plot.open("ab").close()  # fails now, not after the program
     machine = load_machine(config)
     prepare_kernels()
     options = RunOptions(config, name, dialect, simulated_drives or config is None)

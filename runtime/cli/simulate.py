@@ -10,19 +10,24 @@ import typer
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="NC program")],
-    config: Annotated[Path | None, typer.Option("-c", "--config", help="machine description (YAML)")] = None,
-    dialect: Annotated[str, typer.Option(help="isg or nct")] = "isg",
-    trace: Annotated[
-        Path | None, typer.Option(help="write blocks, events, samples and summary into this folder")
+    file: Annotated[Path, typer.Argument(help="NC program.", show_default=False)],
+    config: Annotated[
+        Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    plot: Annotated[Path | None, typer.Option(help="draw the path into this PNG file")] = None,
-    ideal_axes: Annotated[bool, typer.Option("--ideal-axes", help="without drives in the loop: faster")] = False,
-    no_plc: Annotated[bool, typer.Option("--no-plc", help="every function is acknowledged at once")] = False,
-    watch: Annotated[list[str] | None, typer.Option(help="a V. variable for the summary (not in this version)")] = None,
+    dialect: Annotated[str, typer.Option(help="Dialect of the program: isg or nct.")] = "isg",
+    trace: Annotated[
+        Path | None, typer.Option(help="Write blocks, events, samples and summary into this folder.")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the path into this PNG file.")] = None,
+    ideal_axes: Annotated[bool, typer.Option("--ideal-axes", help="Without drives in the loop: faster.")] = False,
+    no_plc: Annotated[bool, typer.Option("--no-plc", help="Every function is acknowledged at once.")] = False,
+    watch: Annotated[
+        list[str] | None, typer.Option(help="A V. variable for the summary (not in this version).")
+    ] = None,
 ) -> None:
     """Run a program in virtual time, as fast as the computer can; exit code 1 if it ends with an error."""
     from runtime.cli.preparing import prepare_kernels
+    from runtime.cnc.decoder import expect_dialect
     from runtime.config import load_machine
     from runtime.diagnostics.catalogue import system
     from runtime.diagnostics.errors import TandemError
@@ -30,6 +35,9 @@ def command(
 
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="there are no V. variables yet")
+    expect_dialect(dialect, str(file))
+    if plot is not None:
+        plot.open("ab").close()  # fails now, not after the program
     machine = load_machine(config)
     prepare_kernels()
     simulation = Simulation(

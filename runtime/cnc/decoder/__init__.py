@@ -25,6 +25,7 @@ __all__ = [
     "ProgramError",
     "ProgramErrors",
     "SpindleSetup",
+    "expect_dialect",
     "load_program",
     "located",
     "parse_synch",
@@ -42,7 +43,12 @@ def load_program(
     `progress(bytes done, bytes in all)` is told now and then. Raises ProgramError (a file) or ProgramErrors (up to 20
     problems of its blocks).
     """
+    expect_dialect(dialect, str(path))
+    return load(path, channel_setup.addresses, channel_setup.program_paths, progress)
+
+
+def expect_dialect(dialect: str, file: str = "") -> None:
+    """Raises ProgramError for a dialect that is not known; `file` is the program that was to be read."""
     if dialect not in DIALECTS:
         supported = ", ".join(DIALECTS)
-        raise ProgramError(catalogue.DIALECT_UNSUPPORTED, Place(file=str(path)), dialect=dialect, supported=supported)
-    return load(path, channel_setup.addresses, channel_setup.program_paths, progress)
+        raise ProgramError(catalogue.DIALECT_UNSUPPORTED, Place(file=file), dialect=dialect, supported=supported)

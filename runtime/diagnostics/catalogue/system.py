@@ -18,6 +18,11 @@ OPTION_NOT_AVAILABLE = ErrorEntry(
     "The option {option} is not available: {reason}",
     remedy="Leave the option out.",
 )
+FILE_FAILED = ErrorEntry(
+    305003,
+    "The file cannot be opened: {reason}",
+    remedy="Does its folder exist, and may this user write to it?",
+)
 
 # what a cycle process asks of the host, runtime.scheduler.realtime
 NO_PRIORITY = _hint(
