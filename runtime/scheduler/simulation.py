@@ -258,7 +258,9 @@ class Simulation:
                 break
             if progress and count % 1000 == 0:
                 progress(self.time - begin, channel.interpolator.line)
-        return self._result(self.time - begin)
+        took = self.time - begin
+        self.cycle()  # the state that the program leaves is told a cycle later
+        return self._result(took)
 
     def _simulated_operator(self) -> None:
         """Presses continue where the program waits for it (M00, single block)."""
