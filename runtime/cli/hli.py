@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from runtime.drives import DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
 from runtime.hli.header import c_header
@@ -127,7 +128,8 @@ def _axis_table(axes: list[Axis]) -> Table:
     for axis in axes:
         status, spindle = axis.status, axis.spindle
         name = get_text(axis, "name_r")
-        drive = f"fault {status.fault_code_r:#06x}" if status.fault_code_r else f"state {status.drive_state_r}"
+        state = DriveState(status.drive_state_r).name.lower().replace("_", " ")
+        drive = f"{state}, {status.fault_code_r:#06x}" if status.fault_code_r else state
         if axis.axis_type_r == SPINDLE:
             actual, commanded = (
                 f"{v * REV_PER_MIN:.0f} rev/min" for v in (spindle.actual_speed_r, spindle.command_speed_r)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import sys
@@ -11,6 +12,8 @@ from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from runtime.cli import INTERRUPTED
 
 if TYPE_CHECKING:
     from runtime.config.machine import Machine
@@ -62,8 +65,8 @@ def command(
         nonlocal stop
         stop = True
 
-    signal.signal(signal.SIGTERM, ask_to_stop)
-    signal.signal(signal.SIGINT, ask_to_stop)
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):  # service manager, Ctrl-C, terminal closed
+        signal.signal(number, ask_to_stop)
     _say(f"starting {machine.name}: {len(machine.axes)} axes, bus {machine.fieldbus.bus.interface}")
     try:
         session.start()
@@ -84,6 +87,8 @@ def command(
         code = session.stop()
     if program is not None:
         code = _summary(session, machine, program, plot) or code
+        if stop and not session.program_done:
+            code = INTERRUPTED
     raise typer.Exit(code)
 
 
@@ -110,4 +115,5 @@ def _summary(session: Session, machine: Machine, program: Path, plot: Path | Non
 
 
 def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    with contextlib.suppress(OSError):  # nobody listens any more: no reason to stop a machine
+        print(text, file=sys.stderr, flush=True)

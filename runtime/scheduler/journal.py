@@ -14,6 +14,7 @@ import socket
 import struct
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fcntl import F_ADD_SEALS, F_SEAL_GROW, F_SEAL_SEAL, F_SEAL_SHRINK, F_SEAL_WRITE, fcntl
 from pathlib import Path
 from typing import Protocol, TextIO
@@ -94,7 +95,8 @@ class LineJournal:
                 f"{key.removeprefix('TANDEM_').lower()}={value}" for key, value in fields.items() if key not in hidden
             ]
             line += f" ({' '.join(more)})" if more else ""
-        print(line, file=self._stream, flush=True)
+        with suppress(OSError):  # nobody listens any more
+            print(line, file=self._stream, flush=True)
 
 
 def open_journal(environment: Mapping[str, str], stream: TextIO, *, verbose: bool = False) -> Journal:

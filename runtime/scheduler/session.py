@@ -192,6 +192,10 @@ class Session:
 
     def stop(self) -> int:
         """End everything; the exit code."""
+        if self._ordered and not self.program_done:
+            self.supervisor.rest()
+            self._end(self._hli)
+            self.program_done = False  # it was stopped on its way
         return self.supervisor.stop()
 
     def result(self) -> RunResult:

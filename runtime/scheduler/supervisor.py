@@ -27,7 +27,7 @@ from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.errors import HliError
-from runtime.hli.memory import HliMemory, refuse_living_owner
+from runtime.hli.memory import SHARED_MEMORY, HliMemory, refuse_living_owner
 from runtime.monitoring.endpoint import MachineCollector, MetricsServer, start_metrics_server
 from runtime.scheduler import names
 from runtime.scheduler.alarms import AlarmList, history
@@ -292,13 +292,17 @@ class Supervisor:
 
     # ------------------------------------------------------------------ stop
 
-    def stop(self) -> int:
-        """Bring the machine to rest and end every process; the exit code of the service."""
+    def rest(self) -> None:
+        """Bring the machine to rest: the cycle brakes, switches the drives off, and ends."""
         self._notifier.stopping()
         if self.cycle.running:
             self.cycle.terminate(_STOP_LIMIT)
         self._drain_events()
         self.retain()
+
+    def stop(self) -> int:
+        """Bring the machine to rest and end every process; the exit code of the service."""
+        self.rest()
         for child in reversed(self.children):
             child.terminate(2.0)
         if self._metrics is not None:
@@ -307,9 +311,18 @@ class Supervisor:
             if resource is not None:
                 resource.close()
         if self.memory is not None:
+            self._remove_leftovers(self.memory)
             self.memory.close()
         if self._lock is not None:
             self._lock.close()
         os.close(self._wake)
         code = self.cycle.process.returncode if self.cycle.process else 1
         return 1 if self._failed or code else 0
+
+    def _remove_leftovers(self, memory: HliMemory) -> None:
+        """A cycle that was killed has removed nothing. Its HLI stays: it tells the cause until the next start."""
+        if memory.owner_alive:
+            return
+        name = self.options.name
+        for left in (names.events(name), names.statistics(name), names.queue(name, 0), names.link(name, 0)):
+            (SHARED_MEMORY / left).unlink(missing_ok=True)
