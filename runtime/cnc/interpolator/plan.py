@@ -98,9 +98,7 @@ def crossing(way: float, v: float, a: float, jerk: float, most: float) -> float:
 
 
 @kernel
-def part_keeps(
-    r: Records, jerk: float, t: float, v0: float, a0: float, v1: float, a1: float, period: float
-) -> bool:
+def part_keeps(r: Records, jerk: float, t: float, v0: float, a0: float, v1: float, a1: float, period: float) -> bool:
     """Whether a piece, or the part of one that lies on the element `r`, keeps its limits."""
     A, J = r["a_limit"], r["j_limit"]
     if max(abs(a0), abs(a1)) > A * (1.0 + ROUNDING_A) + 1e-4:

@@ -17,15 +17,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.plan import ACCELERATION_AT, SPEED_AT, TIME, WAY, add, begin, go
+from runtime.cnc.interpolator.plan import ACCELERATION_AT, SPEED_AT, TIME, WAY, begin, go
 from runtime.cnc.interpolator.profile import (
     BORDER,
     FEED,
     NEVER,
     NOW,
     REDUCE,
-    SPEED,
     SLOWER,
+    SPEED,
     STOP,
     TOLERANCE,
     brake_distance,
