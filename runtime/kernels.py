@@ -13,20 +13,19 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from runtime.kernel_cache import cache_candidates, choose_cache, sources_version
+from runtime.kernel_cache import find_cache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_CACHE = choose_cache(cache_candidates(os.environ), sources_version())
-if _CACHE is not None:
-    numba.config.CACHE_DIR = str(_CACHE)  # type: ignore[attr-defined]  # made at run time
+CACHE = find_cache(os.environ)
+setattr(numba.config, "CACHE_DIR", str(CACHE.folder))  # noqa: B010 - mypy does not see it there
 
 _WARM_UPS: list[tuple[str, Callable[[], None]]] = []
 
 
 def kernel(function: F) -> F:
     """Compile `function` at its first call, keep the machine code on disk, release the GIL, keep IEEE arithmetic."""
-    return cast(F, numba.njit(cache=_CACHE is not None, nogil=True, fastmath=False, error_model="numpy")(function))
+    return cast(F, numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function))
 
 
 def warms(name: str) -> Callable[[Callable[[], None]], Callable[[], None]]:
@@ -41,7 +40,8 @@ def warms(name: str) -> Callable[[Callable[[], None]], Callable[[], None]]:
 
 def warm_up(progress: Callable[[str, int, int], None] | None = None) -> None:
     """Run all registered warm-ups; `progress(name, done, total)` is told before each."""
-    for done, (name, call) in enumerate(_WARM_UPS):
-        if progress:
-            progress(name, done, len(_WARM_UPS))
-        call()
+    with CACHE.filling():
+        for done, (name, call) in enumerate(_WARM_UPS):
+            if progress:
+                progress(name, done, len(_WARM_UPS))
+            call()

@@ -19,7 +19,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from runtime.config.machine import Machine
-from runtime.kernel_cache import cache_candidates
+from runtime.kernel_cache import places
 from runtime.scheduler.realtime import RefusedError, expect_memory_lock, set_priority
 
 _CAN_TYPE = "280"  # ARPHRD_CAN in /sys/class/net/*/type
@@ -250,16 +250,16 @@ def systemd(host: Host, machine: Machine) -> Finding:
     return Finding("systemd", Verdict.OK, match[1])
 
 
-def kernel_cache(host: Host, machine: Machine) -> Finding:
-    """Where compiled kernels are kept: the best place of all that can be written to."""
-    name = "compiled kernels"
-    places = cache_candidates(host.environment)
-    for place in places:
+def compiled_kernels(host: Host, machine: Machine) -> Finding:
+    """Whether the machine code of the kernels outlives a start."""
+    tried = places(host.environment)
+    for place in tried:
         existing = next(folder for folder in (place, *place.parents) if folder.exists())
         if host.writable(existing):
-            return Finding(name, Verdict.OK, f"kept in {place}")
+            return Finding("compiled kernels", Verdict.OK, f"kept in {place}")
     remedy = "Set NUMBA_CACHE_DIR to a folder that this user may write to, else every start compiles for a while."
-    return Finding(name, Verdict.WARN, f"{places[0]} cannot be written", remedy)
+    found = f"cannot be written: {', '.join(map(str, tried))}"
+    return Finding("compiled kernels", Verdict.WARN, found, remedy)
 
 
 def shared_memory(host: Host, machine: Machine) -> Finding:
@@ -285,7 +285,7 @@ CHECKS: tuple[Check, ...] = (
     clock_source,
     can,
     shared_memory,
-    kernel_cache,
+    compiled_kernels,
     systemd,
 )
 

@@ -22,6 +22,7 @@ def command(
     watch: Annotated[list[str] | None, typer.Option(help="a V. variable for the summary (not in this version)")] = None,
 ) -> None:
     """Run a program in virtual time, as fast as the computer can; exit code 1 if it ends with an error."""
+    from runtime.cli.preparing import prepare_kernels
     from runtime.config import load_machine
     from runtime.diagnostics.catalogue import system
     from runtime.diagnostics.errors import TandemError
@@ -30,6 +31,7 @@ def command(
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="there are no V. variables yet")
     machine = load_machine(config)
+    prepare_kernels()
     simulation = Simulation(
         machine,
         ideal_axes=ideal_axes,
@@ -48,11 +50,12 @@ def command(
         print(problem, file=sys.stderr)
     print(f"time {result.time:.3f} s, path {result.path_length:.3f} mm, {result.cycles} cycles")
     print("end position " + "  ".join(f"{name} {value:.4f}" for name, value in result.positions.items()))
-    if plot is not None and simulation.samples is not None:
-        from runtime.cli.plot import plot_path, rapid_threshold
+    samples = simulation.samples
+    if plot is not None and samples is not None and len(samples.rapid) > 1:
+        from runtime.cli.plot import plot_path
 
-        axes = machine.channels[0].axes
-        plot_path(plot, simulation.samples.arrays(), axes, f"{file.name} on {machine.name}", rapid_threshold(machine))
+        title = f"{file.name} on {machine.name}"
+        plot_path(plot, samples.arrays(), samples.rapid, machine.channels[0].axes, title)
         print(f"picture {plot}")
     if not result.good:
         raise typer.Exit(1)

@@ -265,7 +265,7 @@ class Channel:
             self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
-            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
+            self._tell_gap()
             self._clear()
         elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
@@ -283,6 +283,15 @@ class Channel:
         if self.link.state is PreparationState.FAILED and self.interpolator.standstill and not self.waiting_functions:
             self._clear()
         return _NO_BLOCKS
+
+    def _tell_gap(self) -> None:
+        """The next block does not begin where the axes stand: an error of ours, seen before anything moved."""
+        path = self.interpolator
+        record = self.queue.record(path.next_index)
+        gap = np.abs(record["start"][: len(path.position)] - path.position)
+        axis = int(np.argmax(gap))
+        values = {"axis": axis + 1, "start": float(record["start"][axis]), "position": float(path.position[axis])}
+        self.problems.append(Problem(machine.PATH_APART, values, Place(self.program, int(record["line"]))))
 
     def _failed_at_once(self) -> bool:
         """The preparation has failed before it handed over anything: file missing, error found by the check of the file."""

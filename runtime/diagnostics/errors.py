@@ -74,8 +74,9 @@ class Problem:
         return self.entry.text.format(**self.values)
 
     def __str__(self) -> str:
-        """`file:line:column: id: text`, the form of `tandem check`."""
-        return f"{self.place}: {self.entry.id}: {self.text}"
+        """`file:line:column: id: text`, the form of `tandem check`; without a place `id: text`."""
+        place = f"{self.place}: " if self.place.file or self.place.line else ""
+        return f"{place}{self.entry.id}: {self.text}"
 
     def explained(self) -> str:
         """The message, then the program line with a marker under the place, then the remedy; several lines."""

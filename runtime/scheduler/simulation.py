@@ -194,7 +194,8 @@ class Simulation:
         self._step_nodes()
         if self.samples is not None and self.controller.channel.active:
             path = self.controller.interpolator
-            self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0))
+            rapid = not 0.0 < self.controller.channel.programmed_feed < float("inf")
+            self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0), rapid)
         for event in self.events.take():
             self.log.append(event)
             if self.writer is not None:

@@ -47,7 +47,7 @@ class Interpolator:
         self._f = np.zeros(c.FLOAT_STATE)
         self._i = np.zeros(c.INT_STATE, dtype=np.int64)
         self._passed = np.zeros(c.PASSED, dtype=np.int64)
-        self._real, self._whole = c.scratch()
+        self._real, self._whole, self._plans = c.scratch()
         self.restart(position)
 
     def restart(self, position: Floats) -> None:
@@ -63,6 +63,8 @@ class Interpolator:
         for place in (c.SINGLE_GATE_AT, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
             self._i[place] = -1
         self._i[c.STANDSTILL] = 1
+        self._plans[:] = 0.0
+        self._i[c.ROWS_KEPT] = 1
         self._shown = (-1, 0, -1, -1)
 
     def step(self, *, override: float, feed_hold: bool, single_block: bool) -> None:
@@ -82,6 +84,7 @@ class Interpolator:
             self._passed,
             self._real,
             self._whole,
+            self._plans,
         )
 
     # ------------------------------------------------------------------ the path

@@ -67,7 +67,7 @@ def wanted_speed(rapid: int, feed: float, v_limit: float, override: float) -> fl
 
 
 # places
-HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE, RELEASED = 0, 1, 2, 3, 4, 5, 6, 7
+HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE, BEHIND, RELEASED = 0, 1, 2, 3, 4, 5, 6, 7, 8
 
 
 @kernel
@@ -105,6 +105,7 @@ def collect(
     hold: bool,
     opened: int,
     single_block: bool,
+    planned: float,
     zones: bool,
     places: Ints,
     kind: Ints,
@@ -198,11 +199,8 @@ def collect(
                 way += r["length"]
         gate = what == GATE and e > opened
         if single_block and e > places[RELEASED] and (what == BLOCK_END or r["block_end"] == 1):
-            if (
-                places[SINGLE_GATE] < 0
-                and moving
-                and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way)
-            ):
+            possible = moving and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way)
+            if places[SINGLE_GATE] < 0 and possible and way >= planned - 1e-7:
                 places[SINGLE_GATE] = e  # the first block end where stopping is possible
             gate = gate or e == places[SINGLE_GATE]
         if gate:
@@ -221,7 +219,9 @@ def collect(
         if not stopped and e >= written and here == 0:
             places[KNOWN_END] = count
         count += 1
+    places[BEHIND] = here
     if here > 0:
+        borders[here + 1, 0], borders[here + 1, 1], borders[here + 1, 2] = np.inf, A_least, J_least
         count = fold_zones(here, count, hold, kind, d, x, A, J, B, zone, borders)
     return count
 
@@ -248,7 +248,7 @@ def fold_zones(
         for k in range(begin, end):
             if kind[k] == REDUCE:
                 continue
-            allowed = entry_speed(max(d[k] - start, 0.0), x[k], A[k], J[k])
+            allowed = entry_speed(max(d[k] - start, 0.0), x[k], borders[z + 1, 1], borders[z + 1, 2])
             wanted = min(wanted, allowed)
             if kind[k] != FEED:
                 hard = min(hard, allowed)
@@ -329,6 +329,7 @@ def look_ahead(
     hold: bool,
     opened: int,
     single_block: bool,
+    planned: float,
     zones: bool,
     places: Ints,
     kind: Ints,
@@ -352,7 +353,7 @@ def look_ahead(
     old = places[HORIZON]
     last = min(written, cur + ELEMENTS)
     count = collect(
-        records, written, last, cur, s_in, v, a, period, override, hold, opened, single_block, zones,
+        records, written, last, cur, s_in, v, a, period, override, hold, opened, single_block, planned, zones,
         places, kind, d, x, A, J, B, zone, up, borders,
     )  # fmt: skip
     if count == 0:
@@ -363,7 +364,7 @@ def look_ahead(
     sharply = places[SHARPLY]
     if not safe and cur < old < places[SEEN]:
         again = collect(
-            records, written, old, cur, s_in, v, a, period, override, hold, opened, single_block, zones,
+            records, written, old, cur, s_in, v, a, period, override, hold, opened, single_block, planned, zones,
             places, kind, d, x, A, J, B, zone, up, borders,
         )  # fmt: skip
         if again > 0:

@@ -42,6 +42,13 @@ NO_CPU_LATENCY = _hint(
     "Give the user write access to /dev/cpu_dma_latency, or limit C-states with processor.max_cstate=1.",
 )
 
+# compiled kernels, runtime.kernel_cache
+KERNELS_NOT_KEPT = _hint(
+    305015,
+    "Compiled kernels cannot be kept, no folder of these can be written: {places}; every start compiles them",
+    "Set NUMBA_CACHE_DIR to a folder that this user may write to.",
+)
+
 # retained data, runtime.scheduler.retained
 RETAINED_BROKEN = _hint(
     305020,

@@ -145,8 +145,8 @@ class SimulatedDrive(SimulatedNode):
         if elapsed > 2.0 * self._period or not self.operational:
             self._move(elapsed)
             self._advanced = now
+            self._publish()
         super().step(now)
-        self._publish()
 
     def before_sync(self) -> None:
         self._move(self._period)
@@ -185,6 +185,7 @@ class SimulatedDrive(SimulatedNode):
             self.clear_emergency()
         if self.state is DriveState.FAULT_REACTION_ACTIVE and self._parameters[FAULT_REACTION_OPTION] == 0:
             self._go(AUTOMATIC[self.state])
+        self._publish()
 
     def fail(self, code: int) -> None:
         """Something is wrong inside: transition 13, EMCY; brake, then fault."""

@@ -40,6 +40,7 @@ class Always:
 
 
 Rule = Follow | Interrupt | Always
+MARGIN: Final = 0.01  # s
 
 DEMO_PLANT: Final[tuple[Rule, ...]] = (
     Follow("clamp_valve", "clamp_closed", on=0.3, off=0.05),
@@ -53,15 +54,30 @@ DEMO_PLANT: Final[tuple[Rule, ...]] = (
 )
 
 
+def _longest(rule: Rule) -> float:
+    """Time after a change of its output from which a rule is at rest, s."""
+    match rule:
+        case Follow():
+            return max(rule.on, rule.off)
+        case Interrupt():
+            return rule.end
+        case Always():
+            return 0.0
+
+
 class SimulatedPlant:
     """Steps the rules; `force` overrides an input, as a hand on the door would."""
 
     def __init__(self, rules: tuple[Rule, ...] = DEMO_PLANT) -> None:
         self._rules = rules
+        self._slowest = max((_longest(rule) for rule in rules), default=0.0)  # s
         self._forced: dict[str, bool] = {}
         self._before: dict[str, bool] = {}
         self._changed: dict[str, float] = {}  # output → time of its last change
         self._rose: dict[str, float] = {}  # output → time of its last rising edge
+        self._inputs: dict[str, bool] = {}
+        self._last_change = 0.0
+        self._at_rest = False  # all rules: nothing changes until an output does
 
     def force(self, name: str, value: bool | None) -> None:
         """Hold an input at a value; None lets it go."""
@@ -69,17 +85,25 @@ class SimulatedPlant:
             self._forced.pop(name, None)
         else:
             self._forced[name] = value
+        self._at_rest = False
 
     def step(self, now: float, outputs: Mapping[str, bool]) -> dict[str, bool]:
         """The inputs at the time `now` (s)."""
+        if outputs != self._before:
+            self._switch(now, outputs)
+        if not self._at_rest:
+            self._inputs = {rule.input: self._state(rule, now) for rule in self._rules} | self._forced
+            self._at_rest = now - self._last_change > self._slowest + MARGIN
+        return self._inputs
+
+    def _switch(self, now: float, outputs: Mapping[str, bool]) -> None:
+        self._last_change, self._at_rest = now, False
         for name, state in outputs.items():
             if state != self._before.get(name, False):
                 self._changed[name] = now
                 if state:
                     self._rose[name] = now
             self._before[name] = state
-        inputs = {rule.input: self._state(rule, now) for rule in self._rules}
-        return inputs | self._forced
 
     def _state(self, rule: Rule, now: float) -> bool:
         long_ago = float("-inf")

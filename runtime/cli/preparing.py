@@ -1,0 +1,37 @@
+"""Kernels ready for use: a word about it only at the first start, when they are compiled."""
+
+from __future__ import annotations
+
+import sys
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
+from runtime.diagnostics.catalogue import system
+from runtime.diagnostics.errors import Problem
+from runtime.kernels import CACHE, warm_up
+
+
+def prepare_kernels() -> None:
+    """Load the kernels from the cache; the first time compile them, with progress on standard error."""
+    if CACHE.warm:
+        warm_up()
+        return
+    if not CACHE.lasting:
+        print(
+            Problem(system.KERNELS_NOT_KEPT, {"places": ", ".join(map(str, CACHE.refused))}).explained(),
+            file=sys.stderr,
+        )
+    console = Console(stderr=True)
+    if not console.is_terminal:  # there the bar is seen when it is full
+        console.print("compiling kernels, as at every first start of a version: up to half a minute")
+    columns = (TextColumn("compiling kernels"), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("", total=1)
+
+        def tell(what: str, done: int, total: int) -> None:
+            bar.update(task, description=what, completed=done, total=total)
+
+        warm_up(tell)
+        bar.update(task, description="ready", completed=1, total=1)
