@@ -198,6 +198,11 @@ class Interpolator:
         return bool(self._i[c.STARVED])
 
     @property
+    def next_index(self) -> int:
+        """Absolute queue index of the record that is executed, or is the next one."""
+        return int(self._i[c.CUR])
+
+    @property
     def nothing_known(self) -> bool:
         """Everything in the queue has been executed, or there never was anything."""
         return int(self._i[c.CUR]) >= self.queue.written
