@@ -31,9 +31,10 @@ _KEPT = 4  # folders of earlier versions, for going back and forth between them
 
 @dataclass(frozen=True, slots=True)
 class KernelCache:
-    """The folder, and whether it outlives this run."""
+    """The folder, and the places that refused one before it was made; a temporary one does not outlive this run."""
 
     folder: Path
+    refused: tuple[Path, ...] = ()
     lasting: bool = True
 
     @property
@@ -84,17 +85,18 @@ def places(environment: Mapping[str, str], package: Path = PACKAGE) -> list[Path
 def find_cache(environment: Mapping[str, str], package: Path = PACKAGE) -> KernelCache:
     """The first place that can be written, else a temporary folder, which processes started by this one share."""
     name = f"kernels-{fingerprint(package)}"
-    for place in places(environment, package):
+    tried = tuple(places(environment, package))
+    for i, place in enumerate(tried):
         try:
             (place / name).mkdir(parents=True, exist_ok=True)
         except OSError:
             continue
         if os.access(place / name, os.W_OK):
-            return KernelCache(place / name)
+            return KernelCache(place / name, tried[:i])
     temporary = Path(tempfile.mkdtemp(prefix="tandem-"))  # readable by this user only: what lies in it is executed
     atexit.register(shutil.rmtree, temporary, ignore_errors=True)
     os.environ[VARIABLE] = str(temporary)
-    return KernelCache(temporary / name, lasting=False)
+    return KernelCache(temporary / name, tried, lasting=False)
 
 
 def fingerprint(package: Path = PACKAGE) -> str:

@@ -58,6 +58,7 @@ def test_without_any_place_the_folder_is_temporary_private_and_shared_with_child
     (package / "__pycache__").write_text("")
     cache = find_cache({}, package)
     assert not cache.lasting
+    assert cache.refused == (package / "__pycache__",)
     base = Path(os.environ["NUMBA_CACHE_DIR"])
     assert cache.folder.is_relative_to(base)
     assert stat.S_IMODE(base.stat().st_mode) == 0o700

@@ -15,13 +15,14 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from runtime.drives import DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
 from runtime.hli.header import c_header
 from runtime.hli.layout import Axis, Channel, Hli
 from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.operator import Operator
-from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED
+from runtime.hli.units import LENGTH, PERCENT, RAPID, REV_PER_MIN, SPEED
 
 SPINDLE = 4  # axis_type_r
 
@@ -106,10 +107,11 @@ def _channel_table(channel: Channel) -> Table:
     table = Table(show_header=False, box=None, pad_edge=False)
     waits = ", ".join(stop_conditions(status.stop_condition_r))
     program = f"{get_text(status, 'program_name_r') or '-'}  line {status.line_r}"
+    ordered = "rapid" if status.command_feed_r == RAPID else f"{status.command_feed_r * SPEED * 60:.0f}"
     rows = {
         "channel": f"{get_text(channel, 'name_r')}  {mode_name(modes.mode_r)} {state_name(modes.state_r)}",
         "program": program + (f"  N{status.block_number_r}" if status.block_number_r >= 0 else ""),
-        "feed": f"{status.active_feed_r * SPEED * 60:.0f} of {status.command_feed_r * SPEED * 60:.0f} mm/min, "
+        "feed": f"{status.active_feed_r * SPEED * 60:.0f} of {ordered} mm/min, "
         f"override {status.active_override_r * PERCENT:.0f} %",
         "path": f"{status.path_position_r * LENGTH:.3f} mm, block {status.covered_distance_r * PERCENT:.0f} %",
         "waits for": waits or "-",
@@ -126,7 +128,8 @@ def _axis_table(axes: list[Axis]) -> Table:
     for axis in axes:
         status, spindle = axis.status, axis.spindle
         name = get_text(axis, "name_r")
-        drive = f"fault {status.fault_code_r:#06x}" if status.fault_code_r else f"state {status.drive_state_r}"
+        state = DriveState(status.drive_state_r).name.lower().replace("_", " ")
+        drive = f"{state}, {status.fault_code_r:#06x}" if status.fault_code_r else state
         if axis.axis_type_r == SPINDLE:
             actual, commanded = (
                 f"{v * REV_PER_MIN:.0f} rev/min" for v in (spindle.actual_speed_r, spindle.command_speed_r)

@@ -15,11 +15,10 @@ from typing import Annotated, Any
 
 import typer
 
+from runtime.cli import INTERRUPTED
 from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import TandemError
 from runtime.diagnostics.version import version
-
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 @dataclass(frozen=True, slots=True)

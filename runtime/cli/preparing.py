@@ -10,18 +10,19 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
 from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import Problem
-from runtime.kernel_cache import places
 from runtime.kernels import CACHE, warm_up
 
 
-def prepare_kernels(environment: dict[str, str]) -> None:
+def prepare_kernels() -> None:
     """Load the kernels from the cache; the first time compile them, with progress on standard error."""
     if CACHE.warm:
         warm_up()
         return
     if not CACHE.lasting:
-        tried = ", ".join(map(str, places(environment)))
-        print(Problem(system.KERNELS_NOT_KEPT, {"places": tried}).explained(), file=sys.stderr)
+        print(
+            Problem(system.KERNELS_NOT_KEPT, {"places": ", ".join(map(str, CACHE.refused))}).explained(),
+            file=sys.stderr,
+        )
     console = Console(stderr=True)
     if not console.is_terminal:  # there the bar is seen when it is full
         console.print("compiling kernels, as at every first start of a version: up to half a minute")

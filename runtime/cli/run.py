@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import sys
@@ -11,6 +12,8 @@ from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from runtime.cli import INTERRUPTED
 
 if TYPE_CHECKING:
     from runtime.config.machine import Machine
@@ -38,11 +41,12 @@ def command(
     plot: Annotated[
         Path | None, typer.Option(help="at the end, draw the path that the axes took into this PNG file")
     ] = None,
+    verbose: Annotated[bool, typer.Option("--verbose", help="tell every event, not only what is wrong")] = False,
 ) -> None:
     """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
     from runtime.cli.preparing import prepare_kernels
     from runtime.config import load_machine
-    from runtime.scheduler.journal import open_journal
+    from runtime.scheduler.journal import NativeJournal, open_journal
     from runtime.scheduler.session import Session
     from runtime.scheduler.supervisor import RunOptions
 
@@ -50,17 +54,19 @@ def command(
         program = program or DEMO_PROGRAM
         plot = plot or Path("tandem-demo.png")
     machine = load_machine(config)
-    prepare_kernels(dict(os.environ))
+    prepare_kernels()
     options = RunOptions(config, name, dialect, simulated_drives or config is None)
-    session = Session(machine, options, open_journal(os.environ, sys.stderr))
+    journal = open_journal(os.environ, sys.stderr, verbose=verbose)
+    session = Session(machine, options, journal)
+    to_a_reader = not isinstance(journal, NativeJournal)  # the journal has events, it needs no line per second
     stop = False
 
     def ask_to_stop(_number: int, _frame: FrameType | None) -> None:
         nonlocal stop
         stop = True
 
-    signal.signal(signal.SIGTERM, ask_to_stop)
-    signal.signal(signal.SIGINT, ask_to_stop)
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):  # service manager, Ctrl-C, terminal closed
+        signal.signal(number, ask_to_stop)
     _say(f"starting {machine.name}: {len(machine.axes)} axes, bus {machine.fieldbus.bus.interface}")
     try:
         session.start()
@@ -73,7 +79,7 @@ def command(
             if program is not None and session.program_done:
                 break
             now = time.monotonic()
-            if now >= tell_at:
+            if to_a_reader and now >= tell_at:
                 tell_at = now + _TELL_EVERY
                 _say(session.state_line())
             time.sleep(_POLL)
@@ -81,6 +87,8 @@ def command(
         code = session.stop()
     if program is not None:
         code = _summary(session, machine, program, plot) or code
+        if stop and not session.program_done:
+            code = INTERRUPTED
     raise typer.Exit(code)
 
 
@@ -97,14 +105,15 @@ def _summary(session: Session, machine: Machine, program: Path, plot: Path | Non
     )
     for text in result.alarms:
         _say(f"alarm {text}")
-    if plot is not None and len(session.samples["t"]):
-        from runtime.cli.plot import plot_path, rapid_threshold
+    if plot is not None and len(session.rapid) > 1:
+        from runtime.cli.plot import plot_path
 
-        axes = machine.channels[0].axes
-        plot_path(plot, session.samples, axes, f"{program.name} on {machine.name}", rapid_threshold(machine))
+        title = f"{program.name} on {machine.name}"
+        plot_path(plot, session.samples, session.rapid, machine.channels[0].axes, title)
         _say(f"picture of the path: {plot}")
     return 0 if result.good else 1
 
 
 def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    with contextlib.suppress(OSError):  # nobody listens any more: no reason to stop a machine
+        print(text, file=sys.stderr, flush=True)

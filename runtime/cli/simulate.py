@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -32,7 +31,7 @@ def command(
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="there are no V. variables yet")
     machine = load_machine(config)
-    prepare_kernels(dict(os.environ))
+    prepare_kernels()
     simulation = Simulation(
         machine,
         ideal_axes=ideal_axes,
@@ -51,11 +50,12 @@ def command(
         print(problem, file=sys.stderr)
     print(f"time {result.time:.3f} s, path {result.path_length:.3f} mm, {result.cycles} cycles")
     print("end position " + "  ".join(f"{name} {value:.4f}" for name, value in result.positions.items()))
-    if plot is not None and simulation.samples is not None:
-        from runtime.cli.plot import plot_path, rapid_threshold
+    samples = simulation.samples
+    if plot is not None and samples is not None and len(samples.rapid) > 1:
+        from runtime.cli.plot import plot_path
 
-        axes = machine.channels[0].axes
-        plot_path(plot, simulation.samples.arrays(), axes, f"{file.name} on {machine.name}", rapid_threshold(machine))
+        title = f"{file.name} on {machine.name}"
+        plot_path(plot, samples.arrays(), samples.rapid, machine.channels[0].axes, title)
         print(f"picture {plot}")
     if not result.good:
         raise typer.Exit(1)

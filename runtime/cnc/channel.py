@@ -13,6 +13,7 @@ before the path gets there; then the path runs through it without slowing down.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -25,7 +26,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
-from runtime.diagnostics.catalogue import CATALOGUE, machine, motion
+from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.layout import StopCondition
@@ -49,9 +50,11 @@ _ACK = {
 _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _MVS_SVS = int(Synch.MVS_SVS)
-_FUNCTION, _BLOCK_END = int(RecordKind.FUNCTION), int(RecordKind.BLOCK_END)
+_ARC, _FUNCTION = int(RecordKind.ARC), int(RecordKind.FUNCTION)
+_BLOCK_END = int(RecordKind.BLOCK_END)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
+_AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
 _WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
 _WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
@@ -80,6 +83,7 @@ class ChannelInputs:
 
     override: float = 1.0
     feed_hold: bool = False
+    axis_feed_hold: bool = False  # of an axis that takes part
     single_block: bool = False
     optional_stop: bool = False
     continue_motion: bool = False
@@ -135,6 +139,7 @@ class Channel:
         self._continue_was = False
         self._told_failure = False
         self._traced_index = -1
+        self._traced_block: tuple[int, int | None] = (0, None)
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
         self._time = 0.0
@@ -207,8 +212,8 @@ class Channel:
 
     @property
     def held(self) -> bool:
-        """Feed hold is on and the path stands."""
-        return bool(self.stop_condition & _FEED_HOLD) and self.interpolator.standstill
+        """Feed hold is on, of the channel or of an axis, and the path stands."""
+        return bool(self.stop_condition & (_FEED_HOLD | _AXIS_FEED_HOLD)) and self.interpolator.standstill
 
     @property
     def waiting_functions(self) -> int:
@@ -242,6 +247,8 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
+        if inputs.axis_feed_hold:
+            stop |= _AXIS_FEED_HOLD
         if not axes_ready:
             stop |= _AXIS_NOT_READY
         if self._overflow:
@@ -251,15 +258,14 @@ class Channel:
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
-        if path.apart and self.error is None:
-            self._tell_gap()
-        for index in path.passed:
+        passed = path.passed
+        for index in passed:
             self._pass(index)
         if self.trace_blocks:
-            self._trace_block()
+            self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
-            self.problems.append(Problem(machine.PATH_APART, {}, Place(self.program, max(path.line, 0))))
+            self._tell_gap()
             self._clear()
         elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
@@ -279,14 +285,13 @@ class Channel:
         return _NO_BLOCKS
 
     def _tell_gap(self) -> None:
-        """The next element does not start where the axes stand: nothing has moved, and nothing will."""
-        record = self.queue.record(self.interpolator.next_index)
-        position = self.interpolator.position
-        gap = np.abs(record["start"][: len(position)] - position)
+        """The next block does not begin where the axes stand: an error of ours, seen before anything moved."""
+        path = self.interpolator
+        record = self.queue.record(path.next_index)
+        gap = np.abs(record["start"][: len(path.position)] - path.position)
         axis = int(np.argmax(gap))
-        values = {"axis": axis + 1, "position": float(record["start"][axis]), "end": float(position[axis])}
-        self.problems.append(Problem(motion.PATH_GAP, values, Place(self.program, int(record["line"]))))
-        self.error = motion.PATH_GAP
+        values = {"axis": axis + 1, "start": float(record["start"][axis]), "position": float(path.position[axis])}
+        self.problems.append(Problem(machine.PATH_APART, values, Place(self.program, int(record["line"]))))
 
     def _failed_at_once(self) -> bool:
         """The preparation has failed before it handed over anything: file missing, error found by the check of the file."""
@@ -426,17 +431,22 @@ class Channel:
         n = self.interpolator.n
         return None if n < 0 else n
 
-    def _trace_block(self) -> None:
-        """Block start and end events for the elements that were entered in this cycle."""
-        index = self.interpolator.index
-        if index == self._traced_index or index < 0:
-            return
-        path = self.interpolator
+    def _trace_blocks(self, passed: Sequence[int]) -> None:
+        """Block start and end events for the elements that were entered in this cycle: several, if they are short."""
+        for index in passed:
+            if index > self._traced_index and self.queue.kind(index) <= _ARC:
+                self._trace_entry(index)
+        if self.interpolator.index > self._traced_index:
+            self._trace_entry(self.interpolator.index)
+
+    def _trace_entry(self, index: int) -> None:
+        record = self.queue.record(index)
+        n = int(record["n"])
         if self._traced_index >= 0:
-            old = read_record(self.queue, self._traced_index)
-            self._event(EventKind.BLOCK_END, old.line, old.n)
+            self._event(EventKind.BLOCK_END, *self._traced_block)
         self._traced_index = index
-        self._event(EventKind.BLOCK_START, path.line, self._n)
+        self._traced_block = (int(record["line"]), None if n < 0 else n)
+        self._event(EventKind.BLOCK_START, *self._traced_block)
 
     def _event(
         self, kind: EventKind, line: int, n: int | None, number: int = 0, value: float = 0.0, axis: int = -1

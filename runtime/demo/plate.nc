@@ -1,4 +1,4 @@
-(Demo plate 120 x 80: a facing frame, three bores by helix, a ring of holes, an engraved star)
+(Demo plate 120 x 80: a frame, three bores by helix, a ring of holes, two engraved stars)
 (Zero point: front left corner, top face. Programmed on the cutter's centre line.)
 %L BORE
 (P10 P11 centre, P12 path radius, P13 depth)
@@ -16,7 +16,9 @@ N110 G00 Z5
 N120 M29
 
 %DEMO
-N10 G17 G90 G71 G94 G162 G54
+N10 G17 G90 G71 G94 G162 G53
+N15 G00 Z200 (up, wherever the tool was left)
+N18 G54
 N20 M20 (clamp)
 N30 T1 M6
 N40 S9000 M3
@@ -36,33 +38,40 @@ N160 G01 X8
 N170 G02 X-4 Y8 I0 J12
 N180 G00 Z5
 (three bores)
-N200 P12 = 8  P13 = 6  P11 = 40
+N200 P11 = 40  P13 = 6
 N210 $FOR P1 = 0, 2, 1
-N220   P10 = 25 + 35 * P1
-N230   LL BORE
-N240   $IF P1 == 1
-N250     P12 = 6
-N260   $ENDIF
-N270 $ENDFOR
-N280 M9
+N220   P10 = 18 + 42 * P1
+N230   $IF P1 == 1
+N240     P12 = 14
+N250   $ELSE
+N260     P12 = 6
+N270   $ENDIF
+N280   LL BORE
+N290 $ENDFOR
+N295 M9
 (ring of holes)
 N300 T2 M6
 N310 S12000 M3 M8
 N320 $FOR P1 = 0, 11, 1
-N330   G00 X[60 + 32 * COS[P1 * 30]] Y[40 + 32 * SIN[P1 * 30]]
+N330   G00 X[60 + 27 * COS[P1 * 30]] Y[40 + 27 * SIN[P1 * 30]]
 N340   G00 Z1
 N350   G01 Z-3 F1200
 N360   G04 0.05
 N370   G00 Z3 H12=[P1 + 1]
 N380 $ENDFOR
-(star)
-N400 G00 X[60 + 18] Y40
-N410 G01 Z-0.5 F1000
-N420 $FOR P1 = 1, 7, 1
-N430   G01 X[60 + 18 * COS[P1 * 1080 / 7]] Y[40 + 18 * SIN[P1 * 1080 / 7]] F5000
+(two stars)
+N400 $FOR P2 = 0, 1, 1
+N405   P10 = 18 + 84 * P2  P11 = 62 - 44 * P2
+N410   G00 X[P10 + 9] Y[P11]
+N412   G00 Z1
+N415   G01 Z-0.5 F1000
+N420   $FOR P1 = 1, 7, 1
+N425     G01 X[P10 + 9 * COS[P1 * 1080 / 7]] Y[P11 + 9 * SIN[P1 * 1080 / 7]] F5000
+N430   $ENDFOR
+N435   G00 Z5
 N440 $ENDFOR
-N450 G00 Z20 M9
+N450 G53 G00 Z200 M9
 N460 M5
-N470 G00 X0 Y0
+N470 G54 G00 X0 Y0
 N480 M21 (unclamp)
 N490 M30

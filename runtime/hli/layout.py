@@ -300,7 +300,7 @@ class ChannelStatus(c.Structure):
     """Status of a channel, of the block in the interpolator."""
 
     _fields_ = [
-        ("command_feed_r", c.c_int32),  # 1 µm/s
+        ("command_feed_r", c.c_int32),  # 1 µm/s; 2147483647: rapid
         ("active_feed_r", c.c_int32),
         ("active_override_r", c.c_uint32),
         ("covered_distance_r", c.c_uint32),  # 0.1 % of the block

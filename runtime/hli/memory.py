@@ -93,7 +93,7 @@ class HliMemory:
         Raises HliError if a runtime of this name is alive, or the name or the rights do not allow it.
         """
         _check_name(name)
-        _refuse_living_owner(name)
+        refuse_living_owner(name)
         try:
             memory = open_shared(name, c.sizeof(Hli))
         except PermissionError:
@@ -268,7 +268,8 @@ def _locked(path: Path) -> bool:
     return False
 
 
-def _refuse_living_owner(name: str) -> None:
+def refuse_living_owner(name: str) -> None:
+    """Raises HliError if a runtime of this name is alive."""
     path = SHARED_MEMORY / name
     if not _locked(path):
         return

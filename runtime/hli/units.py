@@ -16,6 +16,7 @@ NANOSECOND = 1e-9
 REV_PER_MIN = 1e-3 / 6.0  # 0.001 degrees/s -> rev/min
 
 INT32 = 2**31 - 1
+RAPID = INT32  # command_feed_r of a rapid move: each axis as fast as it may
 
 FACTORS: dict[str, float] = {
     # element, or the unit whose values all have it -> factor

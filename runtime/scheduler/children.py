@@ -1,7 +1,8 @@
 """The processes of a running machine: started as modules, tied to their parent, ended in order.
 
 A child gets SIGTERM from the kernel when its parent dies (PR_SET_PDEATHSIG), so that killing the service process ends the
-machine under control, and ignores the terminal's Ctrl-C: its parent decides.
+machine under control. It has a session of its own: Ctrl-C, a closed terminal and signals to the group reach the parent only,
+which decides.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ class Child:
             stdin=subprocess.DEVNULL,
             stdout=sys.stderr.fileno(),
             env={**os.environ, "PYTHONUNBUFFERED": "1"},
+            start_new_session=True,
         )
 
     @property

@@ -132,8 +132,7 @@ class Controller:
         """Path and spindles: one set-point for every axis."""
         image = self.drives.image
         enabled = self._enabled
-        ready = self._path_enabled and self.orders.axes_released
-        self.channel.step(self.orders.inputs, ready, image.actual_velocity, self.time, self.cycle_number)
+        self.channel.step(self.orders.inputs, self._path_enabled, image.actual_velocity, self.time, self.cycle_number)
         if self.channel.active:
             if self._path_enabled and not self._astray:
                 image.target_position[self._path_axes] = self.interpolator.position

@@ -50,6 +50,7 @@ class CycleProcess:
     def __init__(self, machine: Machine, name: str, wake_descriptor: int) -> None:
         self.machine = machine
         n_axes = len(machine.channels[0].axes)
+        self._bus = open_bus(machine.fieldbus.bus)  # first: what refuses to start leaves no memory behind
         self.memory = HliMemory.create(name)
         self.memory.hli.head.machine_name_r = machine.name.encode()
         self.events = EventRing(names.events(name))
@@ -57,7 +58,7 @@ class CycleProcess:
         self.link = PreparationLink(n_axes, names.link(name, 0))
         self.statistics = CycleStatistics(names.statistics(name))
         self.drives: DriveSystem = CanopenMaster(
-            machine, open_bus(machine.fieldbus.bus), now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
+            machine, self._bus, now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
         )
         plc = PlcProcess(wake_descriptor, self.memory.hli) if machine.plc.program else None
         self.controller = Controller(
@@ -94,7 +95,6 @@ class CycleProcess:
         self.drives.start()
         machine = self.machine
         for problem in prepare_realtime(machine.cycle.priority, machine.cycle.cpu):
-            print(problem, file=sys.stderr)
             self.controller.alarm(problem)
         clock = RealTimeClock(machine.cycle.period)
         self.memory.hli.head.running_r = True
@@ -150,8 +150,9 @@ class CycleProcess:
         return 1
 
     def close(self, *, clean: bool) -> None:
-        """Leave the shared memories; after a failure they stay for whoever looks for the cause."""
+        """Leave bus and shared memories; after a failure HLI and events stay for whoever looks for the cause."""
         self.memory.hli.head.running_r = False
+        self._bus.shutdown()
         self.events.close(unlink=clean)
         self.queue.close(unlink=True)
         self.link.close(unlink=True)
@@ -180,7 +181,6 @@ def main() -> int:
         code = process.run()
     except TandemError as error:
         for problem in error.problems:
-            print(problem.explained(), file=sys.stderr)
             process.controller.alarm(problem)
         process.drives.stop()
         code = 1

@@ -14,10 +14,12 @@ import socket
 import struct
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fcntl import F_ADD_SEALS, F_SEAL_GROW, F_SEAL_SEAL, F_SEAL_SHRINK, F_SEAL_WRITE, fcntl
 from pathlib import Path
 from typing import Protocol, TextIO
 
+from runtime.diagnostics.catalogue import CATALOGUE
 from runtime.diagnostics.errors import Problem, Severity
 from runtime.diagnostics.events import Event, EventKind
 
@@ -25,7 +27,7 @@ SOCKET = Path("/run/systemd/journal/socket")
 
 _PRIORITY = {Severity.MESSAGE: 5, Severity.WARNING: 4, Severity.ERROR: 3, Severity.FATAL: 2}  # as in syslog(3)
 _NAMES = {3: "error", 2: "fatal", 4: "warning", 5: "notice", 6: "info"}
-_INFO = 6
+_WARNING, _INFO = 4, 6
 
 
 class Journal(Protocol):
@@ -69,26 +71,47 @@ class NativeJournal:
 
 
 class LineJournal:
-    """Readable lines for a terminal: priority, message, then the fields that say more."""
+    """Readable lines for a terminal: what is wrong or worth a notice, and what to do; `verbose`: everything, with fields.
 
-    def __init__(self, stream: TextIO) -> None:
+    warning 305010: No real-time priority 80: Operation not permitted. Give the user LimitRTPRIO=99 …
+    error 306002: drive of axis X does not answer
+        hint: check the drive's supply, its node id and the CAN cable, then reset the channel
+    """
+
+    def __init__(self, stream: TextIO, *, verbose: bool = False) -> None:
         self._stream = stream
+        self._verbose = verbose
 
     def write(self, message: str, priority: int = _INFO, **fields: object) -> None:
-        more = " ".join(f"{name.removeprefix('TANDEM_').lower()}={value}" for name, value in fields.items())
-        print(f"{_NAMES.get(priority, priority)}: {message}" + (f" ({more})" if more else ""), file=self._stream)
+        if priority >= _INFO and not self._verbose:
+            return
+        remedy, number = fields.get("TANDEM_REMEDY", ""), fields.get("TANDEM_ERROR_ID")
+        line = f"{_NAMES.get(priority, priority)}{f' {number}' if number else ''}: {message}"
+        if remedy:
+            line += f". {remedy}" if priority >= _WARNING else f"\n    hint: {remedy}"
+        if self._verbose:
+            hidden = ("TANDEM_REMEDY", "TANDEM_ERROR_ID", "TANDEM_SEVERITY")
+            more = [
+                f"{key.removeprefix('TANDEM_').lower()}={value}" for key, value in fields.items() if key not in hidden
+            ]
+            line += f" ({' '.join(more)})" if more else ""
+        with suppress(OSError):  # nobody listens any more
+            print(line, file=self._stream, flush=True)
 
 
-def open_journal(environment: Mapping[str, str], stream: TextIO) -> Journal:
-    """The journal if `stream` (stderr) leads there: $JOURNAL_STREAM, systemd.exec(5); else lines on `stream`."""
+def open_journal(environment: Mapping[str, str], stream: TextIO, *, verbose: bool = False) -> Journal:
+    """The journal if `stream` (stderr) leads there: $JOURNAL_STREAM, systemd.exec(5); else lines on `stream`.
+
+    The journal gets every event; lines are for errors, warnings and notices, unless they are to be `verbose`.
+    """
     device, _, inode = environment.get("JOURNAL_STREAM", "").partition(":")
     try:
         status = os.fstat(stream.fileno())
     except (OSError, ValueError):
-        return LineJournal(stream)
+        return LineJournal(stream, verbose=verbose)
     if (device, inode) == (str(status.st_dev), str(status.st_ino)) and SOCKET.exists():
         return NativeJournal()
-    return LineJournal(stream)
+    return LineJournal(stream, verbose=verbose)
 
 
 def write_problem(journal: Journal, problem: Problem, **fields: object) -> None:
@@ -111,6 +134,9 @@ def write_event(journal: Journal, event: Event, axes: Sequence[str] = (), severi
     fields: dict[str, object] = {"TANDEM_EVENT": name, "TANDEM_CYCLE": event.cycle, "TANDEM_TIME": f"{event.t:.6f}"}
     if event.kind is EventKind.ERROR:
         fields |= {"TANDEM_ERROR_ID": event.number, "TANDEM_SEVERITY": severity.name.lower()}
+        entry = CATALOGUE.get(event.number)
+        if entry is not None and entry.remedy and "{" not in entry.remedy:  # the values stayed in the cycle
+            fields["TANDEM_REMEDY"] = entry.remedy
     elif event.number:
         fields["TANDEM_NUMBER"] = event.number
     if event.value:

@@ -24,7 +24,6 @@ class Orders:
         self._path_commands = [self._axis_commands[machine.axis_index(name)] for name in described.axes]
         self._unit = hli.channels[0].control.mode_and_state
         self.inputs = ChannelInputs()
-        self.axes_released = True
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.mode = Mode.STANDBY
         self.state = State.SELECTED
@@ -45,7 +44,7 @@ class Orders:
             if axis.sample():
                 changed = True
         if changed:
-            self.axes_released = all(axis.release and not axis.feed_hold for axis in self._path_commands)
+            self.inputs.axis_feed_hold = any(axis.feed_hold or not axis.release for axis in self._path_commands)
             self.drives_on[:] = [axis.drive_on for axis in self._axis_commands]
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs

@@ -12,7 +12,7 @@ from runtime.drives import DriveImage, DriveState
 from runtime.hli.layout import AxisState, Hli, StopCondition
 from runtime.hli.memory import put_text
 from runtime.hli.records import records
-from runtime.hli.units import INT32
+from runtime.hli.units import RAPID
 from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
@@ -22,7 +22,7 @@ _AXIS_TYPE = {AxisType.LINEAR: 1, AxisType.ROTARY: 2, AxisType.SPINDLE: 4}
 _WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
 _WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
 _DWELL = int(StopCondition.DWELL)
-_FEED_HOLD = int(StopCondition.FEED_HOLD)
+_FEED_HOLD = int(StopCondition.FEED_HOLD | StopCondition.AXIS_FEED_HOLD)
 _AXIS_READY, _AXIS_ACTIVE = int(AxisState.READY), int(AxisState.ACTIVE)
 _AXIS_HOLD, _AXIS_ERROR = int(AxisState.HOLD), int(AxisState.ERROR)
 _ENABLED, _READY = int(DriveState.OPERATION_ENABLED), int(DriveState.READY_TO_SWITCH_ON)
@@ -161,7 +161,7 @@ class Publisher:
             self._source = source
             status.line_r = max(path.line, 0) if active else 0
             status.block_number_r = path.n
-            status.command_feed_r = int(min(channel.programmed_feed * SPEED, INT32))
+            status.command_feed_r = int(min(channel.programmed_feed * SPEED, RAPID))
         status.block_counter_r = channel.block_counter
         status.decoder_program_end_r = not channel.link.running
         status.stop_condition_r = stop

@@ -18,7 +18,7 @@ from runtime.diagnostics.events import Event, EventKind
 from runtime.hli.errors import HliError
 from runtime.hli.layout import Hli, State, StopCondition
 from runtime.hli.operator import Operator, OrderRefusedError
-from runtime.hli.units import LENGTH, SPEED
+from runtime.hli.units import LENGTH, RAPID, SPEED
 from runtime.scheduler.journal import Journal
 from runtime.scheduler.supervisor import RunOptions, Supervisor
 
@@ -141,7 +141,9 @@ class Session:
         axes = [
             hli.axes[channel.axis_index_r[k]].status.actual_position_r * LENGTH for k in range(channel.axis_count_r)
         ]
-        self._points.append((hli.head.time_ns_r * 1e-9, *axes, channel.status.active_feed_r * SPEED))
+        status = channel.status
+        rapid = status.command_feed_r in (0, RAPID)
+        self._points.append((hli.head.time_ns_r * 1e-9, *axes, status.active_feed_r * SPEED, rapid))
 
     def _on_event(self, event: Event) -> None:
         if event.kind in _FUNCTIONS:
@@ -171,15 +173,29 @@ class Session:
     def samples(self) -> dict[str, npt.NDArray[np.generic]]:
         """The path that the axes took: `t` s, one array per axis, `v_path` mm/s."""
         names = self.machine.channels[0].axes
-        rows = np.array(self._points, dtype=float).reshape(len(self._points), len(names) + 2)
-        columns: dict[str, npt.NDArray[np.generic]] = {"t": rows[:, 0] - (rows[0, 0] if len(rows) else 0.0)}
+        rows = self._rows()
+        columns: dict[str, npt.NDArray[np.generic]] = {"t": rows[:, 0]}
         for k, name in enumerate(names):
             columns[name] = rows[:, 1 + k]
-        columns["v_path"] = rows[:, -1]
+        columns["v_path"] = rows[:, -2]
         return columns
+
+    @property
+    def rapid(self) -> npt.NDArray[np.bool_]:
+        """Which samples are of rapid moves, or of no move at all."""
+        flags: npt.NDArray[np.bool_] = self._rows()[:, -1] != 0.0
+        return flags
+
+    def _rows(self) -> npt.NDArray[np.float64]:
+        width = len(self.machine.channels[0].axes) + 3
+        return np.array(self._points, dtype=float).reshape(len(self._points), width)
 
     def stop(self) -> int:
         """End everything; the exit code."""
+        if self._ordered and not self.program_done:
+            self.supervisor.rest()
+            self._end(self._hli)
+            self.program_done = False  # it was stopped on its way
         return self.supervisor.stop()
 
     def result(self) -> RunResult:

@@ -194,7 +194,8 @@ class Simulation:
         self._step_nodes()
         if self.samples is not None and self.controller.channel.active:
             path = self.controller.interpolator
-            self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0))
+            rapid = not 0.0 < self.controller.channel.programmed_feed < float("inf")
+            self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0), rapid)
         for event in self.events.take():
             self.log.append(event)
             if self.writer is not None:
@@ -257,7 +258,9 @@ class Simulation:
                 break
             if progress and count % 1000 == 0:
                 progress(self.time - begin, channel.interpolator.line)
-        return self._result(self.time - begin)
+        took = self.time - begin
+        self.cycle()  # the state that the program leaves is told a cycle later
+        return self._result(took)
 
     def _simulated_operator(self) -> None:
         """Presses continue where the program waits for it (M00, single block)."""

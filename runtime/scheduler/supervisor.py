@@ -12,11 +12,13 @@ alarm history of the HLI.
 
 from __future__ import annotations
 
+import fcntl
 import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.loader import DEMO_MACHINE
@@ -25,7 +27,7 @@ from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.errors import HliError
-from runtime.hli.memory import HliMemory
+from runtime.hli.memory import SHARED_MEMORY, HliMemory, refuse_living_owner
 from runtime.monitoring.endpoint import MachineCollector, MetricsServer, start_metrics_server
 from runtime.scheduler import names
 from runtime.scheduler.alarms import AlarmList, history
@@ -66,6 +68,7 @@ class Supervisor:
         self._notifier = Notifier.from_environment(os.environ)
         state = state_directory(machine.state_directory, os.environ)
         self._store = RetainedStore(state)
+        self._lock: TextIO | None = None
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
         self._events: EventRing | None = None
         self.statistics: CycleStatistics | None = None
@@ -111,7 +114,8 @@ class Supervisor:
     # ------------------------------------------------------------------ start
 
     def start(self) -> None:
-        """Start every process; returns when the cycle runs. Raises SupervisorError."""
+        """Start every process; returns when the cycle runs. Raises SupervisorError, HliError."""
+        self._be_the_only_one()
         if self.options.simulated_drives:
             self.drives.start()
         self.cycle.start()
@@ -125,6 +129,20 @@ class Supervisor:
         self._wait_for_cycle(lambda: bool(self.memory and self.memory.hli.head.running_r))
         self._start_metrics()
         self._notifier.ready(f"{self.machine.name} runs")
+
+    def _be_the_only_one(self) -> None:
+        """Refuse to start beside a runtime of this name or on its state, before anything disturbs its bus."""
+        refuse_living_owner(self.options.name)
+        folder = self._store.directory
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._lock = (folder / "lock").open("w")
+        except OSError:  # told as soon as something is to be retained
+            return
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise SupervisorError(alarms.STATE_IN_USE, folder=folder) from None
 
     def _wait_for_cycle(self, condition: Callable[[], bool]) -> None:
         end = time.monotonic() + _BOOT_LIMIT
@@ -274,13 +292,17 @@ class Supervisor:
 
     # ------------------------------------------------------------------ stop
 
-    def stop(self) -> int:
-        """Bring the machine to rest and end every process; the exit code of the service."""
+    def rest(self) -> None:
+        """Bring the machine to rest: the cycle brakes, switches the drives off, and ends."""
         self._notifier.stopping()
         if self.cycle.running:
             self.cycle.terminate(_STOP_LIMIT)
         self._drain_events()
         self.retain()
+
+    def stop(self) -> int:
+        """Bring the machine to rest and end every process; the exit code of the service."""
+        self.rest()
         for child in reversed(self.children):
             child.terminate(2.0)
         if self._metrics is not None:
@@ -289,7 +311,18 @@ class Supervisor:
             if resource is not None:
                 resource.close()
         if self.memory is not None:
+            self._remove_leftovers(self.memory)
             self.memory.close()
+        if self._lock is not None:
+            self._lock.close()
         os.close(self._wake)
         code = self.cycle.process.returncode if self.cycle.process else 1
         return 1 if self._failed or code else 0
+
+    def _remove_leftovers(self, memory: HliMemory) -> None:
+        """A cycle that was killed has removed nothing. Its HLI stays: it tells the cause until the next start."""
+        if memory.owner_alive:
+            return
+        name = self.options.name
+        for left in (names.events(name), names.statistics(name), names.queue(name, 0), names.link(name, 0)):
+            (SHARED_MEMORY / left).unlink(missing_ok=True)

@@ -21,16 +21,16 @@ Floats = npt.NDArray[np.float64]
 
 
 class SampleRecorder:
-    """One row per cycle: time, commanded position of every axis, path velocity, line; grows by chunks."""
+    """One row per cycle: time, commanded position of every axis, path velocity, line, rapid or not; grows by chunks."""
 
     def __init__(self, axis_names: Sequence[str]) -> None:
         self.axis_names = list(axis_names)
-        self._width = len(self.axis_names) + 3
+        self._width = len(self.axis_names) + 4
         self._full: list[Floats] = []
         self._chunk: Floats = np.empty((_CHUNK, self._width))
         self._used = 0
 
-    def add(self, t: float, position: Floats, v_path: float, line: int) -> None:
+    def add(self, t: float, position: Floats, v_path: float, line: int, rapid: bool = False) -> None:
         """`t` s, `position` (n_axes,) mm or degrees, `v_path` mm/s."""
         if self._used == _CHUNK:
             self._full.append(self._chunk)
@@ -38,20 +38,30 @@ class SampleRecorder:
             self._used = 0
         row = self._chunk[self._used]
         row[0] = t
-        row[1:-2] = position
-        row[-2] = v_path
-        row[-1] = line
+        row[1:-3] = position
+        row[-3] = v_path
+        row[-2] = line
+        row[-1] = rapid
         self._used += 1
 
     def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
         """`t`, one array per axis name, `v_path` (mm/s), `line`; each (cycles,)."""
-        rows = np.concatenate([*self._full, self._chunk[: self._used]])
+        rows = self._rows()
         columns: dict[str, npt.NDArray[np.generic]] = {"t": rows[:, 0]}
         for i, name in enumerate(self.axis_names):
             columns[name] = rows[:, 1 + i]
-        columns["v_path"] = rows[:, -2]
-        columns["line"] = rows[:, -1].astype(np.int64)
+        columns["v_path"] = rows[:, -3]
+        columns["line"] = rows[:, -2].astype(np.int64)
         return columns
+
+    @property
+    def rapid(self) -> npt.NDArray[np.bool_]:
+        """Which rows are of rapid moves, or of no move at all, (cycles,); for pictures, no part of the trace."""
+        flags: npt.NDArray[np.bool_] = self._rows()[:, -1] != 0.0
+        return flags
+
+    def _rows(self) -> Floats:
+        return np.concatenate([*self._full, self._chunk[: self._used]])
 
 
 def write_samples(path: Path, arrays: Mapping[str, npt.NDArray[np.generic]]) -> None:

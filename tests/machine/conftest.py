@@ -16,7 +16,9 @@ Run = Callable[..., Result]
 
 @pytest.fixture(scope="session")
 def demo() -> Machine:
-    return load_machine(None)
+    """The demo machine, with the watchdog of a PLC that has real-time privileges."""
+    machine = load_machine(None)
+    return machine.model_copy(update={"plc": machine.plc.model_copy(update={"watchdog": 0.05})})
 
 
 @pytest.fixture

@@ -85,7 +85,6 @@ class Driven:
 
     # ------------------------------------------------------------------ looking
 
-    @property
     def state(self) -> State:
         return State(self.hli.channels[0].control.mode_and_state.state_r)
 

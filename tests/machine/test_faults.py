@@ -139,7 +139,7 @@ def test_a_fault_in_motion_from_the_alarm_to_the_next_program(demo: Machine, tmp
     assert driven.image.target_velocity[S] == 0.0
 
     # refused while the error stands
-    assert driven.state is State.ERROR
+    assert driven.state() is State.ERROR
     driven.start(SECOND)
     assert driven.operator.answer_r == plc.MODE_RESET_FIRST.id
     assert not driven.channel.active
@@ -151,14 +151,14 @@ def test_a_fault_in_motion_from_the_alarm_to_the_next_program(demo: Machine, tmp
     driven.reset()
     driven.watch(1200)
     if not case.back:
-        assert driven.state is State.ERROR
+        assert driven.state() is State.ERROR
         assert any("lost" in event.text or "restarted" in event.text for event in driven.errors)
         driven.start(SECOND)
         assert not driven.channel.active
         driven.simulation.close()
         return
     assert driven.errors == []
-    assert driven.state is State.SELECTED
+    assert driven.state() is State.SELECTED
     assert driven.simulation.ready()
     for axis in (X, Y, Z):
         assert driven.image.actual_position[axis] == pytest.approx(driven.place_of(axis), abs=2e-4), "not lost"
@@ -183,12 +183,12 @@ def test_bus_gone_leaves_the_axes_to_their_drives(demo: Machine, tmp_path: Path)
     assert driven.alarm(fieldbus.BUS_GONE).active
     assert [event.number for event in driven.errors if event.number != plc.PLC_ALARM.id] == [fieldbus.BUS_GONE.id]
     assert not any(driven.moving(axis) for axis in (X, Y, Z, S)), "the master's heartbeat is missing"
-    assert driven.state is State.ERROR
+    assert driven.state() is State.ERROR
     driven.forget()
     driven.reset()
     driven.watch(100)
     assert fieldbus.BUS_GONE.id in [event.number for event in driven.errors]
-    assert driven.state is State.ERROR
+    assert driven.state() is State.ERROR
     driven.simulation.close()
 
 
@@ -228,7 +228,7 @@ def test_a_drive_that_is_switched_off_under_a_program_ends_it(demo: Machine, tmp
     program.off = True
     driven.watch(AFTER)
     assert driven.alarm(machine.AXIS_TRACKING).axis == 1
-    assert driven.state is State.ERROR
+    assert driven.state() is State.ERROR
     driven.assert_brakes_within_limits([Y, Z])
     driven.start(SECOND)
     assert not driven.channel.active
@@ -252,7 +252,7 @@ def test_no_start_with_drives_off(demo: Machine, tmp_path: Path) -> None:
     driven.watch(100)
     driven.start(SECOND)
     assert driven.alarm(machine.AXES_NOT_READY).text.startswith("the program does not start: axis X")
-    assert (driven.mode, driven.state) == (Mode.AUTOMATIC, State.SELECTED)
+    assert (driven.mode, driven.state()) == (Mode.AUTOMATIC, State.SELECTED)
     program.off = False
     driven.watch(100)
     driven.start(SECOND)
@@ -277,5 +277,5 @@ def test_a_reset_at_once_after_a_following_error_does_not_make_the_axis_jump(dem
         places.append(driven.place_of(X))
     assert np.abs(np.array(places) - before).max() < 0.1, "the 5 mm of lag are given up, not made good in a jump"
     driven.until(driven.simulation.ready, 2.0)
-    driven.until(lambda: driven.state is State.SELECTED, 2.0)
+    driven.until(lambda: driven.state() is State.SELECTED, 2.0)
     driven.simulation.close()

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from runtime.diagnostics.catalogue import machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction, Severity
 from runtime.diagnostics.events import Event, EventKind
 from runtime.scheduler import journal as journal_module
@@ -110,12 +111,31 @@ def test_a_journal_that_is_gone_is_no_error(tmp_path: Path, capsys: pytest.Captu
 
 def test_lines_for_a_terminal() -> None:
     stream = io.StringIO()
-    write_problem(LineJournal(stream), Problem(ErrorEntry(1, "Text", Severity.WARNING)))
-    write_event(LineJournal(stream), ERROR_EVENT, axes=("X", "Y"))
+    journal = LineJournal(stream)
+    write_problem(journal, Problem(ErrorEntry(1, "Text", Severity.WARNING, remedy="Do this.")))
+    write_problem(journal, PROBLEM)
+    write_event(journal, ERROR_EVENT, axes=("X", "Y"))
+    write_event(journal, Event(2.0, 2000, EventKind.M_OUT, number=8))
+    lost = Event(2.0, 2000, EventKind.ERROR, number=machine.DRIVE_OFFLINE.id, text="drive of axis X does not answer")
+    write_event(journal, lost)
     assert stream.getvalue().splitlines() == [
-        "warning: Text (error_id=1 severity=warning)",
-        "error: Drive of axis Y: fault (event=error cycle=1500 time=1.500000 error_id=303999 severity=error line=12"
-        " block_number=30 axis=Y)",
+        "warning 1: Text. Do this.",
+        "fatal 303999: Drive of axis X: fault",
+        "    hint: Look at axis X.",
+        "error 303999: Drive of axis Y: fault",
+        "error 306002: drive of axis X does not answer",
+        f"    hint: {machine.DRIVE_OFFLINE.remedy}",
+    ]
+
+
+def test_verbose_lines_for_a_terminal() -> None:
+    stream = io.StringIO()
+    journal = LineJournal(stream, verbose=True)
+    write_event(journal, ERROR_EVENT, axes=("X", "Y"))
+    write_event(journal, Event(2.0, 2000, EventKind.M_OUT, number=8))
+    assert stream.getvalue().splitlines() == [
+        "error 303999: Drive of axis Y: fault (event=error cycle=1500 time=1.500000 line=12 block_number=30 axis=Y)",
+        "info: m_out (event=m_out cycle=2000 time=2.000000 number=8)",
     ]
 
 

@@ -12,7 +12,7 @@ from runtime.scheduler.trace import SampleRecorder, TraceWriter, event_row
 def record(count: int) -> SampleRecorder:
     samples = SampleRecorder(["X", "Y"])
     for i in range(count):
-        samples.add(i * 0.001, np.array([i, -i], dtype=float), 5.0, i // 10)
+        samples.add(i * 0.001, np.array([i, -i], dtype=float), 5.0, i // 10, rapid=i % 3 == 0)
     return samples
 
 
@@ -22,6 +22,12 @@ def test_samples_grow_over_the_chunks_and_keep_their_order() -> None:
     np.testing.assert_array_equal(arrays["X"], np.arange(10_000.0))
     np.testing.assert_array_equal(arrays["Y"], -np.arange(10_000.0))
     assert arrays["line"].dtype == np.int64
+
+
+def test_rapid_moves_are_known_beside_the_trace() -> None:
+    samples = record(5000)
+    np.testing.assert_array_equal(samples.rapid, np.arange(5000) % 3 == 0)
+    assert "rapid" not in samples.arrays()
 
 
 def test_equal_runs_are_equal_files(tmp_path: Path) -> None:

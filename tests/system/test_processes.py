@@ -52,7 +52,7 @@ def test_sigterm_brings_the_axes_to_rest_and_ends_with_0(machine: RunningMachine
     machine.order(long_program)
     machine.wait_for(lambda: moving(machine), "motion")
     assert machine.stop() == 0, machine.log.read_text()
-    assert "asked to stop" in machine.log.read_text()
+    assert "brought to rest" in machine.log.read_text()
 
 
 @pytest.mark.parametrize("victim", ["PLC", "preparation", "drives"])

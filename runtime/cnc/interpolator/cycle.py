@@ -1,4 +1,4 @@
-"""One cycle of the interpolator in one kernel call: walk, look ahead, drive, walk, evaluate, report.
+"""One cycle of the interpolator in one kernel call: walk, look ahead, propose, prove, walk, evaluate, report.
 
     reported        cur (s_in along it)          gate               written
        ▼             ▼                            ▼                    ▼
@@ -18,19 +18,24 @@ import numpy.typing as npt
 from runtime.cnc.geometry.elements import arc_at, line_at
 from runtime.cnc.interpolator.lookahead import (
     ARC,
+    BEHIND,
     CONSTRAINTS,
     FUNCTION,
     GATE,
     HORIZON,
     KNOWN_END,
     LINE,
+    RELEASED,
     SHARPLY,
     SINGLE_GATE,
     VALID,
     WHOLE,
     look_ahead,
 )
-from runtime.cnc.interpolator.profile import ARRIVED, drive
+from runtime.cnc.interpolator.plan import COLUMNS, WAY, keeps_limits, state_at
+from runtime.cnc.interpolator.plan import ROWS as PLAN_ROWS
+from runtime.cnc.interpolator.profile import ARRIVED
+from runtime.cnc.interpolator.stopping import propose
 from runtime.cnc.motion_queue import MAX_AXES, RECORD, Counters, GateReason, Records
 from runtime.kernels import kernel, warms
 
@@ -43,13 +48,17 @@ JOIN = 1e-6  # mm: the first element must start where the axes stand
 PROGRAM_END = int(GateReason.PROGRAM_END)
 
 # state, float
-S_IN, V, A, PATH, LENGTH, OVERFLOWS = 0, 1, 2, 3, 4, 5
+S_IN, V, A, PATH, LENGTH, OVERFLOWS, PLAN_TIME, PLANNED = 0, 1, 2, 3, 4, 5, 6, 7
 FLOAT_STATE = 8
 # state, integer
 CUR, REPORTED, OPENED, HORIZON_ALL, SINGLE_GATE_AT, SCANNED, NEXT_GATE, NEXT_FUNCTION = 0, 1, 2, 3, 4, 5, 6, 7
 GATE_INDEX, AT_GATE, FUNCTIONS, PASSED_COUNT, STANDSTILL, STARVED, STARTED, ENDED = 8, 9, 10, 11, 12, 13, 14, 15
-ABORTING, APART, SHOWN, BRAKED, HORIZON_ZONES = 16, 17, 18, 19, 20
-INT_STATE = 24
+# gates up to OPENED are open; block ends of single block up to BLOCKS_RELEASED: a gate far ahead may be open long before
+ABORTING, APART, SHOWN, BRAKED, HORIZON_ZONES, BLOCKS_RELEASED = 16, 17, 18, 19, 20, 21
+ROWS, BRAKED_IN, ROWS_KEPT, REFUSED = 22, 24, 26, 27  # the first two for both views
+INT_STATE = 28
+
+KEPT = 2  # the plan that is driven, behind the proposals of both views
 
 
 @kernel
@@ -58,7 +67,7 @@ def walk(records: Records, written: int, n: int, single_block: bool, f: Floats, 
     size = records.shape[0]
     while i[CUR] < written:
         r = records[i[CUR] % size]
-        held = single_block and i[CUR] == i[SINGLE_GATE_AT] and i[CUR] > i[OPENED]
+        held = single_block and i[CUR] == i[SINGLE_GATE_AT] and i[CUR] > i[BLOCKS_RELEASED]
         if r["kind"] <= ARC:
             if f[S_IN] == 0.0 and f[V] == 0.0:
                 for k in range(n):
@@ -118,11 +127,91 @@ def search(records: Records, written: int, single_block: bool, i: Ints) -> None:
     while i[NEXT_FUNCTION] < end and records[i[NEXT_FUNCTION] % size]["kind"] != FUNCTION:
         i[NEXT_FUNCTION] += 1
     gate = i[NEXT_GATE]
-    if single_block and i[SINGLE_GATE_AT] > i[OPENED] and (gate < 0 or i[SINGLE_GATE_AT] < gate):
+    if single_block and i[SINGLE_GATE_AT] > i[BLOCKS_RELEASED] and (gate < 0 or i[SINGLE_GATE_AT] < gate):
         gate = i[SINGLE_GATE_AT]
     i[GATE_INDEX] = gate
     found = i[NEXT_FUNCTION] < written and records[i[NEXT_FUNCTION] % size]["kind"] == FUNCTION
     i[FUNCTIONS] = 1 if gate >= 0 and found and i[NEXT_FUNCTION] < gate else 0
+
+
+@kernel
+def choose(
+    records: Records,
+    written: int,
+    period: float,
+    override: float,
+    hold: bool,
+    single_block: bool,
+    f: Floats,
+    i: Ints,
+    real: Floats,
+    whole: Ints,
+    plans: Floats,
+) -> tuple[int, bool]:
+    """Put the best proven plan from here in the place of the kept one; without any the kept one goes on.
+
+    Returns the view of the look-ahead it is from (-1: the kept one), and whether any motion is known.
+    """
+    up, borders = real[0, 6], real[1, 8 : 8 + 6].T
+    stop_A, stop_J = np.inf, np.inf
+    best, other = -1, -1
+    if i[APART] == 1:
+        return -1, False
+    for mode in range(2):
+        places = whole[mode, 3]
+        places[HORIZON] = i[HORIZON_ALL] if mode == 0 else i[HORIZON_ZONES]
+        places[SINGLE_GATE] = i[SINGLE_GATE_AT]
+        places[RELEASED] = i[BLOCKS_RELEASED]
+        if mode == 1 and whole[0, 3, SHARPLY] == 0:
+            i[HORIZON_ZONES] = i[HORIZON_ALL]
+            break
+        kind, zone, state = whole[mode, 0], whole[mode, 1], whole[mode, 2]
+        d, x, A_to, J_to, B = real[mode, 0], real[mode, 1], real[mode, 2], real[mode, 3], real[mode, 4]
+        count = look_ahead(
+            records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold, i[OPENED], single_block, f[PLANNED],
+            mode == 1, places, kind, d, x, A_to, J_to, B, zone, up, borders,
+        )  # fmt: skip
+        if count == 0:
+            return -1, False
+        i[SINGLE_GATE_AT] = places[SINGLE_GATE]
+        if mode == 0:
+            stop_A, stop_J = A_to[0], J_to[0]
+            if places[VALID] == 0 and places[SHARPLY] == 1:
+                continue
+        else:
+            A_to[0], J_to[0] = min(A_to[0], stop_A), min(J_to[0], stop_J)
+            if places[VALID] == 0 and best >= 0:
+                break
+        i[HORIZON_ALL if mode == 0 else HORIZON_ZONES] = places[HORIZON]
+        i[ROWS + mode], i[BRAKED_IN + mode], overflow = propose(
+            period, f[V], f[A], count, kind, d, x, A_to, J_to, B, state, up, places[BEHIND] if mode == 1 else 0,
+            borders, plans[mode],
+        )  # fmt: skip
+        if overflow:
+            f[OVERFLOWS] += 1.0
+        if best < 0:
+            best = mode
+            continue
+        # the one that knows more; of equals the faster
+        s_first, v_first, _ = state_at(plans[0], i[ROWS], period)
+        s_second, v_second, _ = state_at(plans[1], i[ROWS + 1], period)
+        more = places[WHOLE] - whole[0, 3, WHOLE]
+        if more > 0 or (more == 0 and (v_second, s_second) > (v_first, s_first)):
+            best, other = 1, 0
+        else:
+            other = 1
+    single = i[SINGLE_GATE_AT] if single_block and i[SINGLE_GATE_AT] > i[BLOCKS_RELEASED] else -1
+    for mode in (best, other):
+        if mode < 0:
+            continue
+        rows = i[ROWS + mode]
+        if keeps_limits(records, written, i[CUR], f[S_IN], i[OPENED], single, plans[mode], rows, period):
+            plans[KEPT, :rows] = plans[mode, :rows]
+            i[ROWS_KEPT], i[BRAKED] = rows, i[BRAKED_IN + mode]
+            f[PLAN_TIME] = 0.0
+            return mode, True
+    i[REFUSED] += 1
+    return -1, True
 
 
 @kernel
@@ -141,79 +230,37 @@ def cycle(
     passed: Ints,
     real: Floats,
     whole: Ints,
+    plans: Floats,
 ) -> None:
-    """Advance by one period. `q`, `dq` (n,): commanded position and velocity; `real`, `whole`: scratch."""
+    """Advance by one period. `q`, `dq` (n,): commanded position and velocity; `real`, `whole`: scratch; `plans` has
+    the plan that is being driven."""
     size = records.shape[0]
     counters[1] = max(counters[1], min(i[REPORTED], i[CUR]))  # free what was told in the cycle before
     written = counters[0]
-    if not single_block or i[SINGLE_GATE_AT] <= i[OPENED]:
+    if not single_block or i[SINGLE_GATE_AT] <= i[BLOCKS_RELEASED]:
         i[SINGLE_GATE_AT] = -1
     walk(records, written, n, single_block, f, i, q)
-    for k in range(n):
-        dq[k] = 0.0
     v_before = f[V]
-    braked_by_end = False
-    count = 0
-    s_best, v_best, a_best, pieces_best = 0.0, 0.0, 0.0, 0.0
-    stop_A, stop_J = np.inf, np.inf
-    up, result, borders = real[0, 6], real[0, 7], real[1, 8 : 8 + 6].T
-    if i[APART] == 0:
-        for mode in range(2):
-            whole[mode, 3, HORIZON] = i[HORIZON_ALL] if mode == 0 else i[HORIZON_ZONES]
-            whole[mode, 3, SINGLE_GATE] = i[SINGLE_GATE_AT]
-        count = look_ahead(
-            records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1, i[OPENED],
-            single_block, False, whole[0, 3], whole[0, 0], real[0, 0], real[0, 1], real[0, 2], real[0, 3], real[0, 4],
-            whole[0, 1], up, borders,
-        )  # fmt: skip
-    if count > 0:
-        i[SINGLE_GATE_AT] = whole[0, 3, SINGLE_GATE]
-        best = -1
-        for mode in range(2):
-            number = count
-            places = whole[mode, 3]
-            if mode == 1:
-                if whole[0, 3, SHARPLY] == 0:
-                    i[HORIZON_ZONES] = i[HORIZON_ALL]
-                    break
-                places[SINGLE_GATE] = i[SINGLE_GATE_AT]
-                number = look_ahead(
-                    records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold or i[ABORTING] == 1,
-
-                    i[OPENED], single_block, True, places, whole[1, 0], real[1, 0], real[1, 1], real[1, 2], real[1, 3],
-                    real[1, 4], whole[1, 1], up, borders,
-                )  # fmt: skip
-                i[SINGLE_GATE_AT] = places[SINGLE_GATE]
-                real[1, 2, 0], real[1, 3, 0] = min(real[1, 2, 0], stop_A), min(real[1, 3, 0], stop_J)
-                if places[VALID] == 0 and best >= 0:
-                    break
-            else:
-                stop_A, stop_J = real[0, 2, 0], real[0, 3, 0]
-                if places[VALID] == 0 and places[SHARPLY] == 1:
-                    continue
-            i[HORIZON_ALL if mode == 0 else HORIZON_ZONES] = places[HORIZON]
-            result[3] = 0.0
-            braked = drive(
-                period, f[V], f[A], up[0], up[1], number, whole[mode, 0], real[mode, 0], real[mode, 1], real[mode, 2],
-                real[mode, 3], real[mode, 4], whole[mode, 2], result,
-            )  # fmt: skip
-            # the one that knows more; of equals the faster
-            if (
-                best < 0
-                or places[WHOLE] > whole[0, 3, WHOLE]
-                or (places[WHOLE] == whole[0, 3, WHOLE] and (result[1], result[0]) > (v_best, s_best))
-            ):
-                best = mode
-                s_best, v_best, a_best, pieces_best = result[0], result[1], result[2], result[3]
-                i[BRAKED] = braked
-                braked_by_end = braked >= 0 and braked == places[KNOWN_END]
-        f[OVERFLOWS] += pieces_best
-        f[S_IN] += s_best
-        f[PATH] += s_best
-        f[V], f[A] = v_best, a_best
+    accepted, known = choose(
+        records, written, period, override, hold or i[ABORTING] == 1, single_block, f, i, real, whole, plans
+    )
+    if known:
+        s, _, _ = state_at(plans[KEPT], i[ROWS_KEPT], f[PLAN_TIME])
+        f[PLAN_TIME] += period
+        s_then, f[V], f[A] = state_at(plans[KEPT], i[ROWS_KEPT], f[PLAN_TIME])
+        way = max(s_then - s, 0.0)
+        f[S_IN] += way
+        f[PATH] += way
+        f[PLANNED] = max(plans[KEPT, i[ROWS_KEPT] - 1, WAY] - s_then, 0.0)
         walk(records, written, n, single_block, f, i, q)
     else:
         f[V], f[A] = 0.0, 0.0
+    if accepted >= 0:
+        braked_by_end = i[BRAKED] >= 0 and i[BRAKED] == whole[accepted, 3, KNOWN_END]
+    else:
+        braked_by_end = i[STARVED] == 1  # as when the kept plan was made
+    for k in range(n):
+        dq[k] = 0.0
     f[LENGTH] = 0.0
     if i[CUR] < written and i[APART] == 0:
         r = records[i[CUR] % size]
@@ -239,17 +286,21 @@ def cycle(
     i[STARVED] = 1 if dry and (i[CUR] >= written or (braked_by_end and f[V] > 0.0)) else 0
 
 
-def scratch() -> tuple[Floats, Ints]:
-    """Memory for the constraints of a cycle."""
-    return np.zeros((2, 14, CONSTRAINTS)), np.zeros((2, 4, CONSTRAINTS), dtype=np.int64)
+def scratch() -> tuple[Floats, Ints, Floats]:
+    """Memory for the constraints of a cycle, and for the plans."""
+    return (
+        np.zeros((2, 14, CONSTRAINTS)),
+        np.zeros((2, 4, CONSTRAINTS), dtype=np.int64),
+        np.zeros((3, PLAN_ROWS, COLUMNS)),
+    )
 
 
 @warms("interpolator")
 def _warm_up() -> None:
-    real, whole = scratch()
+    real, whole, plans = scratch()
     buffer = bytearray(RECORD.itemsize)
     cycle(
         np.frombuffer(buffer, dtype=RECORD), np.zeros(8, dtype=np.int64), 1, 0.001, 1.0, False, False,
         np.zeros(FLOAT_STATE), np.zeros(INT_STATE, dtype=np.int64), np.zeros(MAX_AXES), np.zeros(MAX_AXES),
-        np.zeros(PASSED, dtype=np.int64), real, whole,
+        np.zeros(PASSED, dtype=np.int64), real, whole, plans,
     )  # fmt: skip

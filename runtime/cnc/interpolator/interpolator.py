@@ -47,7 +47,7 @@ class Interpolator:
         self._f = np.zeros(c.FLOAT_STATE)
         self._i = np.zeros(c.INT_STATE, dtype=np.int64)
         self._passed = np.zeros(c.PASSED, dtype=np.int64)
-        self._real, self._whole = c.scratch()
+        self._real, self._whole, self._plans = c.scratch()
         self.restart(position)
 
     def restart(self, position: Floats) -> None:
@@ -59,10 +59,12 @@ class Interpolator:
         read = self.queue.read
         for place in (c.CUR, c.REPORTED, c.HORIZON_ALL, c.HORIZON_ZONES, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
             self._i[place] = read
-        self._i[c.OPENED] = read - 1
+        self._i[c.OPENED] = self._i[c.BLOCKS_RELEASED] = read - 1
         for place in (c.SINGLE_GATE_AT, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
             self._i[place] = -1
         self._i[c.STANDSTILL] = 1
+        self._plans[:] = 0.0
+        self._i[c.ROWS_KEPT] = 1
         self._shown = (-1, 0, -1, -1)
 
     def step(self, *, override: float, feed_hold: bool, single_block: bool) -> None:
@@ -82,6 +84,7 @@ class Interpolator:
             self._passed,
             self._real,
             self._whole,
+            self._plans,
         )
 
     # ------------------------------------------------------------------ the path
@@ -177,7 +180,8 @@ class Interpolator:
     def open_gate(self) -> None:
         """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step."""
         if self._i[c.GATE_INDEX] >= 0:
-            self._i[c.OPENED] = self._i[c.GATE_INDEX]
+            single = self._i[c.GATE_INDEX] == self._i[c.SINGLE_GATE_AT]
+            self._i[c.BLOCKS_RELEASED if single else c.OPENED] = self._i[c.GATE_INDEX]
             self._i[c.GATE_INDEX] = -1
             self._i[c.AT_GATE] = 0
 
@@ -194,11 +198,6 @@ class Interpolator:
         return bool(self._i[c.STARVED])
 
     @property
-    def next_index(self) -> int:
-        """Absolute queue index of the record that is executed, or is the next one."""
-        return int(self._i[c.CUR])
-
-    @property
     def nothing_known(self) -> bool:
         """Everything in the queue has been executed, or there never was anything."""
         return int(self._i[c.CUR]) >= self.queue.written
@@ -212,6 +211,11 @@ class Interpolator:
     def overflows(self) -> int:
         """Cycles whose profile needed more pieces than foreseen; for diagnosis, 0 is right."""
         return int(self._f[c.OVERFLOWS])
+
+    @property
+    def refused(self) -> int:
+        """Cycles in which nothing new was proven safe and the kept plan went on; for diagnosis, a few are right."""
+        return int(self._i[c.REFUSED])
 
     def abort(self) -> None:
         """Brake on the path to standstill and stay there until `restart`."""

@@ -20,7 +20,7 @@ and behind becomes one number, the speed at which its border may be crossed with
      ── zone 0: A 4000 ───▌─ zone 1: A 400 ─▌── zone 2 ──       v(1) = least over k in zone 1 of the speed from which
                           v(1)              v(2)                     x_k is reached within d_k - d(1), and so for v(2)
 
-Both views are sufficient for safety; a cycle takes the faster of those that hold.
+A cycle takes the faster of both views. Whether what comes of it keeps all limits is not left to them: see `plan`.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ def wanted_speed(rapid: int, feed: float, v_limit: float, override: float) -> fl
 
 
 # places
-HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE = 0, 1, 2, 3, 4, 5, 6
+HORIZON, SINGLE_GATE, KNOWN_END, SEEN = 0, 1, 2, 3
+SHARPLY, VALID, WHOLE, BEHIND, RELEASED = 4, 5, 6, 7, 8
 
 
 @kernel
@@ -105,6 +106,7 @@ def collect(
     hold: bool,
     opened: int,
     single_block: bool,
+    planned: float,
     zones: bool,
     places: Ints,
     kind: Ints,
@@ -197,8 +199,9 @@ def collect(
                         v_top = np.inf
                 way += r["length"]
         gate = what == GATE and e > opened
-        if single_block and e > opened and moving and (what == BLOCK_END or r["block_end"] == 1):
-            if places[SINGLE_GATE] < 0 and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way):
+        if single_block and e > places[RELEASED] and (what == BLOCK_END or r["block_end"] == 1):
+            possible = moving and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way)
+            if places[SINGLE_GATE] < 0 and possible and way >= planned - 1e-7:
                 places[SINGLE_GATE] = e  # the first block end where stopping is possible
             gate = gate or e == places[SINGLE_GATE]
         if gate:
@@ -217,7 +220,9 @@ def collect(
         if not stopped and e >= written and here == 0:
             places[KNOWN_END] = count
         count += 1
+    places[BEHIND] = here
     if here > 0:
+        borders[here + 1, 0], borders[here + 1, 1], borders[here + 1, 2] = np.inf, A_least, J_least
         count = fold_zones(here, count, hold, kind, d, x, A, J, B, zone, borders)
     return count
 
@@ -244,7 +249,7 @@ def fold_zones(
         for k in range(begin, end):
             if kind[k] == REDUCE:
                 continue
-            allowed = entry_speed(max(d[k] - start, 0.0), x[k], A[k], J[k])
+            allowed = entry_speed(max(d[k] - start, 0.0), x[k], borders[z + 1, 1], borders[z + 1, 2])
             wanted = min(wanted, allowed)
             if kind[k] != FEED:
                 hard = min(hard, allowed)
@@ -325,6 +330,7 @@ def look_ahead(
     hold: bool,
     opened: int,
     single_block: bool,
+    planned: float,
     zones: bool,
     places: Ints,
     kind: Ints,
@@ -340,14 +346,17 @@ def look_ahead(
     """Fill the constraints seen from `s_in` in record `cur`; returns their number, 0 if no motion is known.
 
     `places`: [HORIZON] the accepted horizon (absolute index), [SINGLE_GATE] the gate of single block or -1,
+    [RELEASED] the last block end at which the operator said continue,
     [KNOWN_END] becomes the constraint that is the end of what is known or -1, [SHARPLY] whether there are zones,
-    [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen. `up` becomes (A, J) for
-    accelerating in this cycle.
+    [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen, [BEHIND] how many zones lie behind
+    the first. `up` becomes (A, J) for accelerating in this cycle. `planned`: way to the end of the plan being driven,
+    mm; single block closes no gate in front of it. `borders` becomes the zones: d where it begins, least A and J of the
+    zone before, speed at which its border may be crossed, the speed wanted there, its first constraint.
     """
     old = places[HORIZON]
     last = min(written, cur + ELEMENTS)
     count = collect(
-        records, written, last, cur, s_in, v, a, period, override, hold, opened, single_block, zones,
+        records, written, last, cur, s_in, v, a, period, override, hold, opened, single_block, planned, zones,
         places, kind, d, x, A, J, B, zone, up, borders,
     )  # fmt: skip
     if count == 0:
@@ -358,7 +367,7 @@ def look_ahead(
     sharply = places[SHARPLY]
     if not safe and cur < old < places[SEEN]:
         again = collect(
-            records, written, old, cur, s_in, v, a, period, override, hold, opened, single_block, zones,
+            records, written, old, cur, s_in, v, a, period, override, hold, opened, single_block, planned, zones,
             places, kind, d, x, A, J, B, zone, up, borders,
         )  # fmt: skip
         if again > 0:

@@ -21,7 +21,10 @@ steadily while accelerating), from there follow that constraint's braking throug
 fulfilled, and so on. Braking curves are thus followed without chatter, and a stop lands on its place.
 
 Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted
-braking is chosen; the others remain safe, since braking harder never endangers them.
+braking is chosen.
+
+This holds while a braking is carried through. One that is taken back in its middle just before an element with far
+less acceleration or jerk may leave too little way to take it back: what is driven is therefore proven first (`plan`).
 
 Units: mm, s (degrees where only rotary axes move).
 """
@@ -33,7 +36,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from runtime.kernels import kernel, warms
+from runtime.cnc.interpolator.plan import ACCELERATION_AT, SPEED_AT, WAY, add
+from runtime.kernels import kernel
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -202,29 +206,11 @@ def is_safe(
 
 
 @kernel
-def drive(
-    T: float,
-    v: float,
-    a: float,
-    A_up: float,
-    J_up: float,
-    count: int,
-    kind: Ints,
-    d: Floats,
-    x: Floats,
-    A: Floats,
-    J: Floats,
-    B: Floats,
-    state: Ints,
-    result: Floats,
-) -> int:
-    """Drive one cycle of T seconds from (0, v, a). Writes s, v, a to `result`; returns the constraint that braked, or
-    -1.
-
-    Constraints in the order of d, the first is NOW. `state` is scratch: 0 out of reach or behind,
-    1 watched, 2 binding, 3 violated at the end of a piece.
-    `result[3]` counts cycles that needed more than `STEPS` pieces (none is known).
-    """
+def watch_cycle(
+    T: float, v: float, a: float, A_up: float, J_up: float,
+    count: int, kind: Ints, d: Floats, x: Floats, A: Floats, J: Floats, B: Floats, state: Ints,
+) -> None:  # fmt: skip
+    """Set `state` to 1 for what can come into effect in a cycle of T seconds from (0, v, a), else 0."""
     # Whatever happens in this cycle lies below accelerating with +J all the time: what is safe there needs no watching.
     # (Close to standstill a braking may have to be taken back with more jerk than J_up, see below.)
     a_top = a + J_up * T
@@ -235,17 +221,49 @@ def drive(
     for i in range(count):
         near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
         state[i] = 1 if near else 0
-    s = 0.0
+
+
+@kernel
+def drive(
+    T: float,
+    count: int,
+    kind: Ints,
+    d: Floats,
+    x: Floats,
+    A: Floats,
+    J: Floats,
+    B: Floats,
+    state: Ints,
+    up: Floats,
+    period: float,
+    until: float,
+    plan: Floats,
+    rows: int,
+) -> tuple[int, int, float]:
+    """Drive T seconds from the end of `plan`, or until the path stands (T = NEVER), or to a BORDER; add it to `plan`.
+
+    Returns the number of rows of the plan, the constraint that braked (-1: none), and the time that is left.
+
+    Constraints in the order of d, the first is NOW. `state` says what is watched: 0 out of reach or behind,
+    1 watched; 2 binding and 3 violated at the end of a piece are for use in here. `up`: (A, J) of the element here for
+    accelerating; it is brought up to date at borders. `until`: a place where a piece has to end.
+    More time is left than was asked for if the motion needs more than `STEPS` pieces (none is known).
+    """
+    s, v, a = plan[rows - 1, WAY], plan[rows - 1, SPEED_AT], plan[rows - 1, ACCELERATION_AT]
+    A_up, J_up = up[0], up[1]
     left = T
     braked = -1
-    border = 1  # the next REDUCE: pieces end there, since the jerk may be less behind it
-    for _ in range(STEPS):
+    border = 1  # the next REDUCE
+    for _ in range(STEPS if T < NEVER else 3 * STEPS):
         while border < count and (kind[border] != REDUCE or d[border] - s <= TOLERANCE):
             if kind[border] == REDUCE:
                 A_up, J_up = min(A_up, x[border]), min(J_up, A[border])
                 B[0] = J_up
             border += 1
+        if T >= NEVER and v == 0.0 and a == 0.0:
+            break
         jerk, t = NEVER, NEVER
+        crossed, braked_by_wish = False, False
         for i in range(count):
             if state[i] == 0:
                 continue
@@ -258,18 +276,23 @@ def drive(
             if (way <= TOLERANCE and kind[i] == PLACE) or (way <= 0.0 and kind[i] != NOW and kind[i] != STOP and done):
                 state[i] = 0  # behind
                 if kind[i] == BORDER:
-                    x[0] = min(x[0], v)  # what holds behind it is known in the next cycle
+                    crossed = True
                 elif kind[i] >= SLOWER:
                     x[0] = min(x[0], x[i])
                 continue
-            if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, T) > TOLERANCE:
+            if slack(kind[i], way, x[i], A[i], J[i], B[i], v, a, period) > TOLERANCE:
                 state[i] = 1
                 continue
             state[i] = 2
             jerk_i, t_i = reaction(kind[i], way, x[i], A[i], J[i], B[i], v, a)
-            if jerk_i < jerk or (jerk_i == jerk and t_i < t):
-                jerk, t = jerk_i, t_i
-                braked = i
+            if braked_by_wish and jerk_i < NEVER and kind[i] != REDUCE:
+                jerk, t, braked, braked_by_wish = jerk_i, t_i, i, False
+            elif jerk_i < jerk or (jerk_i == jerk and t_i < t):
+                jerk, t, braked = jerk_i, t_i, i
+                # NOW takes a braking back with the least jerk of what it crosses; who has to, knows better when.
+                braked_by_wish = i == 0 and a < 0.0 and jerk > 0.0
+        if crossed:
+            break
         if jerk >= NEVER:  # nothing binds: faster
             braked = -1
             if a < A_up:
@@ -285,14 +308,25 @@ def drive(
             jerk = a * a / (2.0 * v)
             t = -a / jerk
         t = min(t, left)
-        if border < count and s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 > d[border]:
-            t = time_to(d[border] - s, v, a, jerk, t)
+        if border < count:  # no further than to where less jerk is allowed
+            reach = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
+            for i in range(border, count):
+                if d[i] >= reach:
+                    break
+                if kind[i] == REDUCE and A[i] < abs(jerk):
+                    t = time_to(d[i] - s, v, a, jerk, t)
+                    break
+        if s < until - TOLERANCE and s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 > until:
+            t = time_to(until - s, v, a, jerk, t)
         v_t = v + a * t + jerk * t * t / 2.0
         s_t = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
         # Slack changes in one direction within a piece: only what is violated at its end can be violated in it.
         violated = 0
         for i in range(count):
-            if state[i] == 1 and slack(kind[i], d[i] - s_t, x[i], A[i], J[i], B[i], v_t, a + jerk * t, T) < -TOLERANCE:
+            if (
+                state[i] == 1
+                and slack(kind[i], d[i] - s_t, x[i], A[i], J[i], B[i], v_t, a + jerk * t, period) < -TOLERANCE
+            ):
                 state[i] = 3
                 violated += 1
         if violated > 0:
@@ -303,7 +337,7 @@ def drive(
                     break
                 v_t = v + a * middle + jerk * middle * middle / 2.0
                 s_t = s + v * middle + a * middle * middle / 2.0 + jerk * middle * middle * middle / 6.0
-                if is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * middle, T):
+                if is_safe(count, kind, d, x, A, J, B, state, s_t, v_t, a + jerk * middle, period):
                     low = middle
                 else:
                     high = middle
@@ -317,19 +351,9 @@ def drive(
                 v = x[braked]
         if v < 0.0 or (v < 1e-9 and a <= 0.0):
             v, a = 0.0, 0.0
+        rows = add(plan, rows, t, jerk, s, v, a)
         left -= t
         if left <= 1e-12:
             break
-    if left > 1e-9:
-        result[3] += 1.0
-        if a > 0.0:
-            a = max(a - J_up * left, 0.0)
-        s += v * left
-    result[0], result[1], result[2] = s, v, a
-    return braked
-
-
-@warms("velocity profile")
-def _warm_up() -> None:
-    floats, ints = np.zeros(4), np.zeros(4, dtype=np.int64)
-    drive(0.001, 0.0, 0.0, 1.0, 1.0, 0, ints, floats, floats, floats, floats, floats, ints, floats)
+    up[0], up[1] = A_up, J_up
+    return rows, braked, left

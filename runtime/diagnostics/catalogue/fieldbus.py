@@ -76,6 +76,11 @@ OTHER_MASTER = ErrorEntry(
     "another CANopen master is active on the bus {channel}",
     remedy="end the other one, or give this machine a bus of its own",
 )
+NODE_TAKEN = ErrorEntry(
+    303019,
+    "node {node} is already on the bus {channel}: it cannot be simulated there",
+    remedy="end the machine that it belongs to, or give this one a bus of its own",
+)
 NODE_MISSING = ErrorEntry(
     303021,
     "no answer on the bus within {seconds:g} s from {nodes}",

@@ -71,7 +71,10 @@ SIMULATION_STANDS = ErrorEntry(
     remedy="does the PLC program acknowledge every function?",
 )
 STOP_ORDERED = ErrorEntry(
-    306022, "the runtime was asked to stop ({reason})", severity=Severity.MESSAGE, reaction=Reaction.NONE
+    306022,
+    "the machine is brought to rest and switched off ({reason})",
+    severity=Severity.MESSAGE,
+    reaction=Reaction.NONE,
 )
 CYCLE_NOT_STARTED = ErrorEntry(
     306023,
@@ -88,7 +91,12 @@ AXIS_MOVED = ErrorEntry(
 )
 PATH_APART = ErrorEntry(
     306025,
-    "the next block does not begin where the axes stand; nothing was moved",
+    "the next block begins at {start:.6f} of axis {axis}, but it stands at {position:.6f}; nothing was moved",
     reaction=Reaction.STOP_ON_PATH,
     remedy="this is an error of the runtime; keep the program and report it",
+)
+STATE_IN_USE = ErrorEntry(
+    306026,
+    "another runtime uses the state directory {folder}",
+    remedy="stop it, or give this machine a state_directory (and a bus) of its own",
 )

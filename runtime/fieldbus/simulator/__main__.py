@@ -19,23 +19,43 @@ from types import FrameType
 import can
 
 from runtime.config import ConfigurationError, load_machine
+from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue.fieldbus import NODE_TAKEN
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.simulator.encoder import EncoderFile
 from runtime.fieldbus.simulator.nodes import SimulatedNodes
 
 LONGEST_WAIT = 0.01  # s; heartbeats, plant and signals are looked after at least this often
+TAKEN_LIMIT = 2.0  # s that the nodes of a machine that is being switched off get to fall silent
+ORPHAN_SILENCE = 1.0  # s without a frame, after which an orphan ends: the master may still be braking the axes
+
+
+def refuse_taken_nodes(machine: Machine, bus: can.BusABC, now: Callable[[], float]) -> None:
+    """Nodes of the same ids on one bus would answer for each other. Raises FieldbusError, can.CanError."""
+    nodes = [axis.drive.node for axis in machine.axes if axis.drive] + [io.node for io in machine.fieldbus.io]
+    end, silent_since = now() + TAKEN_LIMIT, now()
+    while now() < silent_since + 2.5 * machine.fieldbus.bus.heartbeat:
+        message = bus.recv(LONGEST_WAIT)
+        if message is None or message.arbitration_id - 0x700 not in nodes:
+            continue
+        silent_since = now()
+        if silent_since > end:
+            node = message.arbitration_id - 0x700
+            raise FieldbusError(NODE_TAKEN, node=node, channel=machine.fieldbus.bus.channel)
 
 
 def serve(
-    nodes: SimulatedNodes, bus: can.BusABC, now: Callable[[], float], stopped: Callable[[], bool], step: float
+    nodes: SimulatedNodes, bus: can.BusABC, now: Callable[[], float], stopped: Callable[[float], bool], step: float
 ) -> None:
-    """Answer frames at once and step the time at least every `step` s, until `stopped()`. Raises can.CanError."""
+    """Answer frames at once and step the time at least every `step` s, until `stopped(silence)`, where `silence` is how
+    many seconds ago the last frame came. Raises can.CanError."""
     nodes.step(now())
-    stepped = now()
-    while not stopped():
+    stepped = heard = now()
+    while not stopped(stepped - heard):
         message = bus.recv(step)
         if message is not None:
+            heard = now()
             nodes.receive(message, now())
         if message is None or now() - stepped >= step:
             stepped = now()
@@ -50,13 +70,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--machine", type=Path, required=True, help="machine description (YAML)")
     parser.add_argument("--state", type=Path, help="file that keeps the positions of the drives")
     parser.add_argument(
-        "--exit-with-parent", action="store_true", help="end when the process that started this one ends"
+        "--exit-with-parent",
+        action="store_true",
+        help="end when the process that started this one has ended and the bus is silent",
     )
     options = parser.parse_args(arguments)
     try:
         machine = load_machine(options.machine)
         encoders = EncoderFile(options.state) if options.state else None
         bus = open_bus(machine.fieldbus.bus)
+        try:
+            refuse_taken_nodes(machine, bus, time.monotonic)
+        except FieldbusError:
+            bus.shutdown()
+            raise
     except (OSError, ConfigurationError, FieldbusError) as error:
         print(f"simulator: {error}", file=sys.stderr)
         return 1
@@ -70,8 +97,8 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, end)
     signal.signal(signal.SIGINT, end)
 
-    def stopped() -> bool:
-        return ended or (options.exit_with_parent and os.getppid() != parent)
+    def stopped(silence: float) -> bool:
+        return ended or (silence > ORPHAN_SILENCE and options.exit_with_parent and os.getppid() != parent)
 
     nodes = SimulatedNodes(machine, bus, encoders=encoders)
     with contextlib.suppress(OSError):  # real drives have processors of their own
