@@ -94,8 +94,8 @@ def test_dictionaries_are_those_of_the_node_and_of_the_file_as_it_is_now(tmp_pat
     first, second = read_dictionary(str(file), 5), read_dictionary(str(file), 5)
     assert second[0x6040].name == first[0x6040].name == "Controlword"
     assert second[0x6040] is not first[0x6040]  # nobody sees what another one changes
-    cob_ids = [read_dictionary(str(file), node).get_variable(0x1400, 1) for node in (5, 6)]
-    assert [variable.default for variable in cob_ids if variable] == [0x205, 0x206]
+    first_pdos = [read_dictionary(str(file), node).get_variable(0x1400, 1) for node in (5, 6)]
+    assert [variable.default for variable in first_pdos if variable] == [0x205, 0x206]
     file.write_text(text.replace("ParameterName=Controlword", "ParameterName=Orders"))
     os.utime(file, ns=(1, 1))
     assert read_dictionary(str(file), 5)[0x6040].name == "Orders"
