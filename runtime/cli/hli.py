@@ -91,7 +91,7 @@ def header(
 def picture(hli: Hli, running: bool) -> Group:
     """The tables of `tandem hli watch`."""
     head = hli.head
-    state = "[green]running[/]" if running else "[red]not running[/]"
+    state = "[green]running[/]" if running else "[red]not running: the runtime has ended, these are its last values[/]"
     title = f"[bold]{escape(get_text(head, 'machine_name_r') or 'tandem')}[/] {state}  cycle {head.cycle_r}"
     parts: list[Table | Text] = [Text.from_markup(title)]
     parts += [_channel_table(hli.channels[i]) for i in range(head.channels_r)]

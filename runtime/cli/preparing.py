@@ -25,7 +25,7 @@ def prepare_kernels() -> None:
         )
     console = Console(stderr=True)
     if not console.is_terminal:  # there the bar is seen when it is full
-        console.print("compiling kernels, as at every first start of a version: up to half a minute")
+        console.print("compiling kernels, as at every first start of a version: about half a minute")
     columns = (TextColumn("compiling kernels"), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=1)

@@ -211,6 +211,11 @@ class Channel:
         return self.phase is not Phase.IDLE
 
     @property
+    def at_rest(self) -> bool:
+        """Nothing moves the path any more: no program, or one that only waits until the preparation has let go of it."""
+        return self.phase in (Phase.IDLE, Phase.CLEARING)
+
+    @property
     def held(self) -> bool:
         """Feed hold is on, of the channel or of an axis, and the path stands."""
         return bool(self.stop_condition & (_FEED_HOLD | _AXIS_FEED_HOLD)) and self.interpolator.standstill

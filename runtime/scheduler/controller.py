@@ -311,9 +311,10 @@ class Controller:
         return self._stopping and self._at_rest() and not bool((states == DriveState.OPERATION_ENABLED).any())
 
     def _at_rest(self) -> bool:
-        actual = self.drives.image.actual_velocity
-        return not self.channel.active and all(
-            spindle.standing(actual[spindle.index]) for spindle in self.channel.spindles
+        image = self.drives.image
+        return self.channel.at_rest and all(
+            image.state[spindle.index] == DriveState.OFFLINE or spindle.standing(image.actual_velocity[spindle.index])
+            for spindle in self.channel.spindles
         )
 
     def _event(self, kind: EventKind, number: int = 0, value: float = 0.0, axis: int = -1) -> None:

@@ -32,9 +32,10 @@ from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent
 from runtime.scheduler.clock import RealTimeClock
 from runtime.scheduler.controller import Controller
+from runtime.scheduler.keeping import retained_of
 from runtime.scheduler.plc_link import PlcProcess
 from runtime.scheduler.realtime import prepare_realtime
-from runtime.scheduler.retained import RetainedStore, state_directory
+from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _OTHERS_LIMIT = 30.0  # s until the other processes must be up
@@ -65,6 +66,8 @@ class CycleProcess:
             machine, self.drives, self.memory, self.events, self.queue, self.link, plc, wall_clock=time.time_ns
         )
         self._stop_reason = ""
+        self._parent = os.getppid()
+        self._store = RetainedStore(state_directory(machine.state_directory, os.environ))
         self._positions_before: dict[str, float] = {}
 
     def ask_to_stop(self, number: int, _frame: FrameType | None) -> None:
@@ -73,8 +76,7 @@ class CycleProcess:
 
     def restore(self) -> None:
         """The alarm history of earlier runs, and where the axes stood."""
-        store = RetainedStore(state_directory(self.machine.state_directory, os.environ))
-        retained, problems = store.load()
+        retained, problems = self._store.load()
         self.controller.alarms.restore(retained.alarms)
         self._positions_before = dict(retained.positions)
         for problem in problems:
@@ -119,12 +121,30 @@ class CycleProcess:
                 self._compare_positions()
             if self._stop_reason and not give_up_at:
                 give_up_at = now + _STOP_LIMIT
-                controller.alarm(Problem(alarms.STOP_ORDERED, {"reason": self._stop_reason}))
+                controller.alarm(self._why_stopped())
                 controller.stop()
             if give_up_at and now > give_up_at:
                 break
         self.drives.stop()
-        return 0
+        if self._orphaned:
+            self._keep_the_cause()
+        return int(self._orphaned)
+
+    @property
+    def _orphaned(self) -> bool:
+        return os.getppid() != self._parent
+
+    def _why_stopped(self) -> Problem:
+        """SIGTERM comes from the service process, or from the kernel because that process has died."""
+        if self._orphaned:
+            return Problem(alarms.SERVICE_LOST)
+        return Problem(alarms.STOP_ORDERED, {"reason": self._stop_reason})
+
+    def _keep_the_cause(self) -> None:
+        """Nobody is left to write the journal and to keep positions and alarms; called when the cycle is over."""
+        print(Problem(alarms.SERVICE_LOST).explained(), file=sys.stderr)
+        with contextlib.suppress(RetainedError):
+            self._store.save(retained_of(self.machine, self.memory.hli))
 
     def _wait_for_the_others(self) -> None:
         """Processes that start take the processor for some time: not while nodes watch our heartbeat."""

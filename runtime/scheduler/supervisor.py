@@ -30,11 +30,12 @@ from runtime.hli.errors import HliError
 from runtime.hli.memory import SHARED_MEMORY, HliMemory, refuse_living_owner
 from runtime.monitoring.endpoint import MachineCollector, MetricsServer, start_metrics_server
 from runtime.scheduler import names
-from runtime.scheduler.alarms import AlarmList, history
+from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.children import Child
 from runtime.scheduler.journal import Journal, write_event, write_problem
+from runtime.scheduler.keeping import retained_of
 from runtime.scheduler.notify import Notifier
-from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
+from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _BOOT_LIMIT = 60.0  # s until the cycle must run
@@ -234,12 +235,14 @@ class Supervisor:
         if reason == "exit code 0":
             return
         self._failed = True
-        problem = Problem(alarms.PROCESS_LOST, {"process": f"cycle: {reason}"})
-        write_problem(self.journal, problem)
-        if self.memory is not None and self._events is not None:
-            AlarmList(self.memory.hli, self._events, time.time_ns).add(problem)
-            self.memory.hli.head.running_r = False
-            self.retain()
+        problem = Problem(alarms.CYCLE_LOST, {"reason": reason})
+        if self.memory is None or self._events is None:
+            write_problem(self.journal, problem)
+            return
+        AlarmList(self.memory.hli, self._events, time.time_ns).add(problem)
+        self.memory.hli.head.running_r = False
+        self._drain_events()
+        self.retain()
 
     def _watch_preparation(self) -> None:
         if self.preparation.running:
@@ -278,11 +281,8 @@ class Supervisor:
         """Write what must survive: positions and alarm history."""
         if self.memory is None:
             return
-        hli = self.memory.hli
-        positions = {axis.name: hli.axes[i].status.actual_position_r * 1e-4 for i, axis in enumerate(self.machine.axes)}
-        offsets = {channel.name: dict(channel.zero_offsets) for channel in self.machine.channels}
         try:
-            self._store.save(Retained(positions, offsets, history(hli)))
+            self._store.save(retained_of(self.machine, self.memory.hli))
         except RetainedError as error:
             if not self._retain_failed:  # told once, tried again every second
                 write_problem(self.journal, error.problem)

@@ -14,11 +14,13 @@ from pathlib import Path
 import pytest
 import yaml
 
+import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
 from runtime.config.loader import DEMO_MACHINE
 from runtime.hli.alarms import AlarmLine, alarm_lines
 from runtime.hli.errors import HliError
 from runtime.hli.layout import Mode, State
 from runtime.hli.memory import HliMemory
+from runtime.kernels import warm_up
 
 LIMIT = 60.0  # s for anything to happen at all
 
@@ -145,6 +147,12 @@ class RunningMachine:
             self._memory.close()
             self._memory = None
         return code
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled_kernels() -> None:
+    """What a first start does is no part of what the tests wait for."""
+    warm_up()
 
 
 @pytest.fixture

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.catalogue import plc
+from runtime.drives import DriveState
 from runtime.hli.layout import State
 from tests.system.conftest import RunningMachine
 
@@ -81,7 +84,12 @@ def test_a_killed_cycle_is_named_in_journal_and_hli_and_ends_the_service(
     assert machine.process.wait(60) != 0
     assert not memory.hli.head.running_r
     assert any("cycle: killed by SIGKILL" in alarm.text for alarm in machine.alarms)
-    assert "cycle: killed by SIGKILL" in machine.log.read_text()
+    assert machine.log.read_text().count("cycle: killed by SIGKILL") == 1
+    assert [path.name for path in Path("/dev/shm").glob(f"{machine.name}*")] == [machine.name]
+    watch = [sys.executable, "-m", "runtime.cli.main", "hli", "watch", "--once", "--name", machine.name]
+    picture = subprocess.run(watch, capture_output=True, text=True, check=True).stdout
+    assert "not running" in picture
+    assert "cycle: killed by SIGKILL" in picture
 
 
 def test_a_killed_service_process_stops_the_machine_under_control(machine: RunningMachine, long_program: Path) -> None:
@@ -92,7 +100,11 @@ def test_a_killed_service_process_stops_the_machine_under_control(machine: Runni
     os.kill(machine.pid_of("service"), signal.SIGKILL)
     machine.wait_for(lambda: not memory.hli.head.running_r, "the end of the cycle")
     machine.wait_for(lambda: not Path(f"/proc/{cycle}").exists(), "the end of the cycle process")
-    assert machine.has_alarm(alarms.STOP_ORDERED.id)
+    assert machine.has_alarm(alarms.SERVICE_LOST.id)
+    assert at_rest(machine)
+    assert all(axis.status.drive_state_r < DriveState.OPERATION_ENABLED for axis in memory.hli.axes)
+    assert str(alarms.SERVICE_LOST.id) in machine.log.read_text()
+    assert str(alarms.SERVICE_LOST.id) in (machine.state / "retained.json").read_text()
 
 
 def test_a_hanging_plc_stops_the_path_and_a_reset_starts_it_again(machine: RunningMachine, long_program: Path) -> None:

@@ -100,3 +100,16 @@ STATE_IN_USE = ErrorEntry(
     "another runtime uses the state directory {folder}",
     remedy="stop it, or give this machine a state_directory (and a bus) of its own",
 )
+CYCLE_LOST = ErrorEntry(
+    306027,
+    "the runtime has lost its cycle: {reason}; the drives brake by themselves",
+    severity=Severity.FATAL,
+    remedy="the journal has its last words; start the runtime again, as systemd does by itself",
+)
+SERVICE_LOST = ErrorEntry(
+    306028,
+    "the service process has ended: the machine is brought to rest and switched off",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the system's journal says how it ended; start the runtime again, as systemd does by itself",
+)
