@@ -261,7 +261,7 @@ def fold_zones(
         end = begin
     count = int(borders[1, 5])
     kind[count], d[count], x[count], zone[count] = BORDER, borders[1, 0], borders[1, 3], 0
-    A[count], J[count] = borders[1, 1], borders[1, 2]
+    A[count], J[count], B[count] = borders[1, 1], borders[1, 2], borders[1, 2]
     count += 1
     if not hold and borders[1, 4] < borders[1, 3]:
         kind[count], d[count], x[count], zone[count] = FEED, borders[1, 0], borders[1, 4], 0
