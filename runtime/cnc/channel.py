@@ -13,6 +13,7 @@ before the path gets there; then the path runs through it without slowing down.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -49,7 +50,8 @@ _ACK = {
 _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _MVS_SVS = int(Synch.MVS_SVS)
-_FUNCTION, _BLOCK_END = int(RecordKind.FUNCTION), int(RecordKind.BLOCK_END)
+_ARC, _FUNCTION = int(RecordKind.ARC), int(RecordKind.FUNCTION)
+_BLOCK_END = int(RecordKind.BLOCK_END)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
@@ -137,6 +139,7 @@ class Channel:
         self._continue_was = False
         self._told_failure = False
         self._traced_index = -1
+        self._traced_block: tuple[int, int | None] = (0, None)
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
         self._time = 0.0
@@ -260,10 +263,11 @@ class Channel:
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
-        for index in path.passed:
+        passed = path.passed
+        for index in passed:
             self._pass(index)
         if self.trace_blocks:
-            self._trace_block()
+            self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
             self._tell_gap()
@@ -432,17 +436,22 @@ class Channel:
         n = self.interpolator.n
         return None if n < 0 else n
 
-    def _trace_block(self) -> None:
-        """Block start and end events for the elements that were entered in this cycle."""
-        index = self.interpolator.index
-        if index == self._traced_index or index < 0:
-            return
-        path = self.interpolator
+    def _trace_blocks(self, passed: Sequence[int]) -> None:
+        """Block start and end events for the elements that were entered in this cycle: several, if they are short."""
+        for index in passed:
+            if index > self._traced_index and self.queue.kind(index) <= _ARC:
+                self._trace_entry(index)
+        if self.interpolator.index > self._traced_index:
+            self._trace_entry(self.interpolator.index)
+
+    def _trace_entry(self, index: int) -> None:
+        record = self.queue.record(index)
+        n = int(record["n"])
         if self._traced_index >= 0:
-            old = read_record(self.queue, self._traced_index)
-            self._event(EventKind.BLOCK_END, old.line, old.n)
+            self._event(EventKind.BLOCK_END, *self._traced_block)
         self._traced_index = index
-        self._event(EventKind.BLOCK_START, path.line, self._n)
+        self._traced_block = (int(record["line"]), None if n < 0 else n)
+        self._event(EventKind.BLOCK_START, *self._traced_block)
 
     def _event(
         self, kind: EventKind, line: int, n: int | None, number: int = 0, value: float = 0.0, axis: int = -1

@@ -14,6 +14,7 @@ from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DIGITAL_BYTES
 from runtime.fieldbus import cia402, exchange
 from runtime.fieldbus.cia402 import Mode
+from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink, IoLink, Links
 from runtime.fieldbus.pdo import VALUE_RANGES, ObjectKey, PdoLayout, PdoPlan, find_variable, lay_out, object_name
@@ -98,7 +99,7 @@ def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> Io
 def _dictionary(file: str | None, default: str, node: int, owner: str) -> canopen.ObjectDictionary:
     path = eds_path(file, default)
     try:
-        od = canopen.import_od(path, node)
+        od = read_dictionary(path, node)
     # canopen lets through whatever configparser and int() raise at a broken file
     except (
         OSError,

@@ -39,6 +39,7 @@ START_LIMIT = 30.0  # s until the drives and the PLC must be ready
 STANDING_LIMIT = 120.0  # s without any event or motion: nobody will answer any more
 CONTINUE_AFTER = 1.0  # s that the simulated operator takes to press continue after M00
 _EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the virtual machine starts here
+_BLOCK_EVENTS = (EventKind.BLOCK_START, EventKind.BLOCK_END)
 _instances = itertools.count()
 
 
@@ -125,7 +126,7 @@ class Simulation:
         )
         self.controller.channel.trace_blocks = trace is not None
         self.memory.hli.head.running_r = True
-        self.log: list[Event] = []  # every event so far
+        self.log: list[Event] = []  # every event so far; those of single blocks only go into the trace
         self.problems: list[Problem] = []  # every alarm so far
         self.controller.alarms.on_problem = self.problems.append
         self._quiet_since = 0.0
@@ -197,9 +198,10 @@ class Simulation:
             rapid = not 0.0 < self.controller.channel.programmed_feed < float("inf")
             self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0), rapid)
         for event in self.events.take():
-            self.log.append(event)
             if self.writer is not None:
                 self.writer.event(event)
+            if self.writer is None or event.kind not in _BLOCK_EVENTS:
+                self.log.append(event)
             self._quiet_since = self.time
 
     def run_until(self, condition: Callable[[], bool], limit: float) -> bool:
@@ -258,7 +260,9 @@ class Simulation:
                 break
             if progress and count % 1000 == 0:
                 progress(self.time - begin, channel.interpolator.line)
-        return self._result(self.time - begin)
+        took = self.time - begin
+        self.cycle()  # the state that the program leaves is told a cycle later
+        return self._result(took)
 
     def _simulated_operator(self) -> None:
         """Presses continue where the program waits for it (M00, single block)."""

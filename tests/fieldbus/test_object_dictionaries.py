@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import configparser
+import os
 from pathlib import Path
 
 import canopen
@@ -10,6 +11,7 @@ import pytest
 from canopen.objectdictionary import ODVariable
 
 from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
+from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.exchange import AXIS_PDOS, SPINDLE_PDOS, io_pdos
 from runtime.fieldbus.pdo import STRUCT_CODES, VALUE_RANGES, find_variable, lay_out
 
@@ -83,3 +85,20 @@ def test_layouts_that_cannot_be() -> None:
         lay_out(od, ((0x6085, 0),))
     with pytest.raises(ValueError, match="96 bits"):
         lay_out(od, ((0x607A, 0),) * 3)
+
+
+def test_dictionaries_are_those_of_the_node_and_of_the_file_as_it_is_now(tmp_path: Path) -> None:
+    file = tmp_path / "drive.eds"
+    text = Path(eds_path(None, DRIVE_EDS)).read_text()
+    file.write_text(text)
+    first, second = read_dictionary(str(file), 5), read_dictionary(str(file), 5)
+    assert second[0x6040].name == first[0x6040].name == "Controlword"
+    assert second[0x6040] is not first[0x6040]  # nobody sees what another one changes
+    first_pdos = [read_dictionary(str(file), node).get_variable(0x1400, 1) for node in (5, 6)]
+    assert [variable.default for variable in first_pdos if variable] == [0x205, 0x206]
+    file.write_text(text.replace("ParameterName=Controlword", "ParameterName=Orders"))
+    os.utime(file, ns=(1, 1))
+    assert read_dictionary(str(file), 5)[0x6040].name == "Orders"
+    file.unlink()
+    with pytest.raises(FileNotFoundError):
+        read_dictionary(str(file), 5)

@@ -51,11 +51,13 @@ class RunningMachine:
         self.process: subprocess.Popen[bytes] | None = None
         self._memory: HliMemory | None = None
 
-    def start(self, *arguments: str) -> None:
+    def start(self, *arguments: str, drives: bool = True) -> None:
+        """`drives`: simulated ones, else nobody is on the bus."""
+        chosen = ["--simulated-drives"] if drives else []
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "runtime.cli.main", "run", "-c", str(self.machine), "--name", self.name,
-                 "--simulated-drives", *arguments],
+                 *chosen, *arguments],
                 stdout=log, stderr=log, stdin=subprocess.DEVNULL,
             )  # fmt: skip
 
@@ -92,7 +94,6 @@ class RunningMachine:
     def has_alarm(self, number: int) -> bool:
         return any(alarm.id == number for alarm in self.alarms)
 
-    @property
     def channel_state(self) -> State:
         return State(self.memory.hli.channels[0].control.mode_and_state.state_r)
 

@@ -64,7 +64,7 @@ def test_a_killed_process_stops_the_axes_and_is_named(machine: RunningMachine, l
     machine.order(long_program)
     machine.wait_for(lambda: moving(machine), "motion")
     os.kill(machine.pid_of(victim), signal.SIGKILL)
-    machine.wait_for(lambda: machine.channel_state is State.ERROR, "the alarm")
+    machine.wait_for(lambda: machine.channel_state() is State.ERROR, "the alarm")
     machine.wait_for(lambda: at_rest(machine), "standstill")
     machine.wait_for(lambda: machine.has_alarm(alarms.PROCESS_LOST.id), "the alarm that names the process")
     assert any(victim in alarm.text and "SIGKILL" in alarm.text for alarm in machine.alarms)
@@ -115,7 +115,7 @@ def test_a_hanging_plc_stops_the_path_and_a_reset_starts_it_again(machine: Runni
     machine.wait_for(lambda: machine.has_alarm(plc.PLC_WATCHDOG.id), "the watchdog alarm")
     machine.wait_for(lambda: at_rest(machine), "standstill")
     machine.reset()
-    machine.wait_for(lambda: machine.channel_state is State.SELECTED, "the reset")
+    machine.wait_for(lambda: machine.channel_state() is State.SELECTED, "the reset")
     machine.order(long_program)  # waits until the new PLC runs
     machine.wait_for(lambda: moving(machine), "motion after the restart")
     assert machine.stop() == 0

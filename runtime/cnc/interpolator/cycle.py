@@ -1,4 +1,4 @@
-"""One cycle of the interpolator in one kernel call: walk, look ahead, drive, walk, evaluate, report.
+"""One cycle of the interpolator in one kernel call: walk, look ahead, propose, prove, walk, evaluate, report.
 
     reported        cur (s_in along it)          gate               written
        ▼             ▼                            ▼                    ▼
@@ -184,8 +184,8 @@ def choose(
                 break
         i[HORIZON_ALL if mode == 0 else HORIZON_ZONES] = places[HORIZON]
         i[ROWS + mode], i[BRAKED_IN + mode], overflow = propose(
-            period, f[V], f[A], count, kind, d, x, A_to, J_to, B, state, up, places[BEHIND] if mode == 1 else 0, borders,
-            plans[mode],
+            period, f[V], f[A], count, kind, d, x, A_to, J_to, B, state, up, places[BEHIND] if mode == 1 else 0,
+            borders, plans[mode],
         )  # fmt: skip
         if overflow:
             f[OVERFLOWS] += 1.0
@@ -255,7 +255,10 @@ def cycle(
         walk(records, written, n, single_block, f, i, q)
     else:
         f[V], f[A] = 0.0, 0.0
-    braked_by_end = accepted >= 0 and i[BRAKED] >= 0 and i[BRAKED] == whole[accepted, 3, KNOWN_END]
+    if accepted >= 0:
+        braked_by_end = i[BRAKED] >= 0 and i[BRAKED] == whole[accepted, 3, KNOWN_END]
+    else:
+        braked_by_end = i[STARVED] == 1  # as when the kept plan was made
     for k in range(n):
         dq[k] = 0.0
     f[LENGTH] = 0.0

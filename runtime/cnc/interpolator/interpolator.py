@@ -217,6 +217,11 @@ class Interpolator:
         """Cycles whose profile needed more pieces than foreseen; for diagnosis, 0 is right."""
         return int(self._f[c.OVERFLOWS])
 
+    @property
+    def refused(self) -> int:
+        """Cycles in which nothing new was proven safe and the kept plan went on; for diagnosis, a few are right."""
+        return int(self._i[c.REFUSED])
+
     def abort(self) -> None:
         """Brake on the path to standstill and stay there until `restart`."""
         self._i[c.ABORTING] = 1

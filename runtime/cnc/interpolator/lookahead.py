@@ -20,7 +20,7 @@ and behind becomes one number, the speed at which its border may be crossed with
      ── zone 0: A 4000 ───▌─ zone 1: A 400 ─▌── zone 2 ──       v(1) = least over k in zone 1 of the speed from which
                           v(1)              v(2)                     x_k is reached within d_k - d(1), and so for v(2)
 
-Both views are sufficient for safety; a cycle takes the faster of those that hold.
+A cycle takes the faster of both views. Whether what comes of it keeps all limits is not left to them: see `plan`.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ def wanted_speed(rapid: int, feed: float, v_limit: float, override: float) -> fl
 
 
 # places
-HORIZON, SINGLE_GATE, KNOWN_END, SEEN, SHARPLY, VALID, WHOLE, BEHIND, RELEASED = 0, 1, 2, 3, 4, 5, 6, 7, 8
+HORIZON, SINGLE_GATE, KNOWN_END, SEEN = 0, 1, 2, 3
+SHARPLY, VALID, WHOLE, BEHIND, RELEASED = 4, 5, 6, 7, 8
 
 
 @kernel
@@ -260,7 +261,7 @@ def fold_zones(
         end = begin
     count = int(borders[1, 5])
     kind[count], d[count], x[count], zone[count] = BORDER, borders[1, 0], borders[1, 3], 0
-    A[count], J[count] = borders[1, 1], borders[1, 2]
+    A[count], J[count], B[count] = borders[1, 1], borders[1, 2], borders[1, 2]
     count += 1
     if not hold and borders[1, 4] < borders[1, 3]:
         kind[count], d[count], x[count], zone[count] = FEED, borders[1, 0], borders[1, 4], 0
@@ -347,8 +348,10 @@ def look_ahead(
     `places`: [HORIZON] the accepted horizon (absolute index), [SINGLE_GATE] the gate of single block or -1,
     [RELEASED] the last block end at which the operator said continue,
     [KNOWN_END] becomes the constraint that is the end of what is known or -1, [SHARPLY] whether there are zones,
-    [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen. `up` becomes (A, J) for
-    accelerating in this cycle.
+    [VALID] whether the state is safe, [WHOLE] whether it is with all that was seen, [BEHIND] how many zones lie behind
+    the first. `up` becomes (A, J) for accelerating in this cycle. `planned`: way to the end of the plan being driven,
+    mm; single block closes no gate in front of it. `borders` becomes the zones: d where it begins, least A and J of the
+    zone before, speed at which its border may be crossed, the speed wanted there, its first constraint.
     """
     old = places[HORIZON]
     last = min(written, cur + ELEMENTS)

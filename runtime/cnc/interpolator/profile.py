@@ -21,7 +21,10 @@ steadily while accelerating), from there follow that constraint's braking throug
 fulfilled, and so on. Braking curves are thus followed without chatter, and a stop lands on its place.
 
 Constraints that can't be met (override just lowered, feed hold) only have the effect that the hardest permitted
-braking is chosen; the others remain safe, since braking harder never endangers them.
+braking is chosen.
+
+This holds while a braking is carried through. One that is taken back in its middle just before an element with far
+less acceleration or jerk may leave too little way to take it back: what is driven is therefore proven first (`plan`).
 
 Units: mm, s (degrees where only rotary axes move).
 """

@@ -120,9 +120,12 @@ def propose(
         for i in range(count):
             peak = v + a * a / (2.0 * J[i]) if a > 0.0 and kind[i] != NOW else v
             slow = (kind[i] == SPEED or kind[i] == SLOWER) and (x[i] < peak or a > 0.0)
-            watched = i == 0 or kind[i] == REDUCE or kind[i] == STOP or kind[i] == BORDER or slow
+            less = kind[i] == REDUCE and a > x[i]
+            watched = less or kind[i] == STOP or kind[i] == BORDER or slow
             state[i] = 1 if watched and kind[i] != FEED and s - 1e-6 < d[i] <= s + way + 1e-6 else 0
         state[0] = 1
+        while count > 1 and d[count - 1] > s + way + 1e-6:
+            count -= 1
         rows, _, _ = drive(NEVER, count, kind, d, x, A, J, B, state, up, T, border, plan, rows)
     if border < NEVER and plan[rows - 1, SPEED_AT] > 0.0:
         rows = stop_in_zones(plan, rows, zones, borders)

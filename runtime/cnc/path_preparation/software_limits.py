@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +39,16 @@ def _reach(arc: Arc) -> tuple[Floats, Floats]:
     return low, high
 
 
+def _first_moves(run: Polyline, count: int) -> Polyline:
+    return replace(
+        run,
+        points=run.points[: count + 1],
+        feeds=run.feeds[:count],
+        lines=run.lines[:count],
+        numbers=run.numbers[:count],
+    )
+
+
 class SoftwareLimits:
     """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no
     limit.
@@ -65,8 +76,16 @@ class SoftwareLimits:
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         for block in blocks:
+            if isinstance(block, Polyline) and 0 < (count := self._within(block)) < len(block.feeds):
+                yield _first_moves(block, count)  # they are blocks of their own, which are right
             self.check(block)
             yield block
+
+    def _within(self, block: Polyline) -> int:
+        """How many moves of a run stay within the limits before one does not."""
+        targets = block.points[1:]
+        beyond = ((targets < self._low) | (targets > self._high)).any(axis=1)
+        return int(np.argmax(beyond)) if beyond.any() else len(targets)
 
     def check(self, block: Block) -> None:
         """Raise SoftwareLimitError if `block` leaves the range of an axis."""
@@ -85,11 +104,9 @@ class SoftwareLimits:
                         block.source.line,
                     )
         elif isinstance(block, Polyline):
-            targets = block.points[1:]
-            beyond = ((targets < self._low) | (targets > self._high)).any(axis=1)
-            if beyond.any():
-                first = int(np.argmax(beyond))
-                self._refuse(targets[first], "the target", block.program, int(block.lines[first]))
+            first = self._within(block)
+            if first < len(block.feeds):
+                self._refuse(block.points[first + 1], "the target", block.program, int(block.lines[first]))
 
     def _refuse(self, position: Floats, what: str, program: str, line: int) -> None:
         below = position < self._low

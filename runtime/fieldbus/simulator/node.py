@@ -13,6 +13,7 @@ import canopen
 from canopen.objectdictionary import ODVariable
 from canopen.sdo.exceptions import SdoAbortedError
 
+from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.pdo import (
     EVENT,
@@ -64,7 +65,7 @@ class SimulatedNode:
     def __init__(self, node: int, eds: str, network: PolledNetwork) -> None:
         self.id = node
         self.network = network
-        self.local = canopen.LocalNode(node, canopen.import_od(eds, node))
+        self.local = canopen.LocalNode(node, read_dictionary(eds, node))
         self.values: dict[ObjectKey, int] = {}
         self.silent = False
         self.vendor_id: int | None = None  # another than that of the EDS

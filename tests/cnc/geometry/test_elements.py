@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from runtime.cnc.geometry.elements import arc_at, cosine_range, greatest_cosine, line_at
 
+pytestmark = pytest.mark.uncompiled
+
 angles = st.floats(-20.0, 20.0)
 
 

@@ -49,6 +49,7 @@ class Drive:
     elements: dict[int, np.void] = field(default_factory=dict)  # copies of the records by absolute index
     finished: bool = False
     overflows: int = 0
+    refused: int = 0
 
     @property
     def path(self) -> Floats:
@@ -111,6 +112,7 @@ def drive(
             result.finished = True
             break
     result.overflows = interpolator.overflows
+    result.refused = interpolator.refused
     return result
 
 

@@ -145,12 +145,19 @@ def test_a_full_queue_interrupts_a_polyline_and_it_goes_on() -> None:
     assert PumpState.FULL in states
 
 
+def arc(centre: Floats, radius: float, angle: float) -> Arc:
+    return Arc(S, at(0, 0, 0), at(1, 0, 0), 600.0, at(1, 0, 0), (0, 1), centre, radius, angle)
+
+
 @pytest.mark.parametrize(
     ("block", "number", "words"),
     [
         (line(at(0, 0, 0), at(1, 0, 0), 0.0), 301003, "feed of 0 mm/min"),
         (line(at(0, 0, 0), at(1, 0, math.nan)), 301004, "axis Z is not a number"),
         (Arc(S, at(0, 0, 0), at(1, 0, 0), 0.0, at(1, 0, 0), (0, 1), at(0.5, 0), 0.5, 180.0), 301003, "feed of 0"),
+        (arc(at(0.5, 0), math.inf, 180.0), 301005, "an arc of radius inf mm and 180 degrees"),
+        (arc(at(0.5, 0), 0.5, math.nan), 301005, "an arc of radius 0.5 mm and nan degrees"),
+        (arc(at(math.inf, 0), 0.5, 90.0), 301005, "an arc of radius 0.5 mm and 90 degrees"),
     ],
 )
 def test_what_cannot_be_driven_is_refused(block: Block, number: int, words: str) -> None:
