@@ -35,7 +35,7 @@ from runtime.scheduler.children import Child
 from runtime.scheduler.journal import Journal, write_event, write_problem
 from runtime.scheduler.keeping import retained_of
 from runtime.scheduler.notify import Notifier
-from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
+from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _BOOT_LIMIT = 60.0  # s until the cycle must run
@@ -77,6 +77,7 @@ class Supervisor:
         self._metrics: MetricsServer | None = None
         self._collector: MachineCollector | None = None
         self._retain_at = 0.0
+        self._retained: Retained | None = None
         self._cycle_before = -1
         self._plc_restarts = 0
         self._failed = False
@@ -281,14 +282,18 @@ class Supervisor:
         """Write what must survive: positions and alarm history."""
         if self.memory is None:
             return
+        data = retained_of(self.machine, self.memory.hli)
+        if data == self._retained:  # disks wear out
+            return
         try:
-            self._store.save(retained_of(self.machine, self.memory.hli))
+            self._store.save(data)
         except RetainedError as error:
             if not self._retain_failed:  # told once, tried again every second
                 write_problem(self.journal, error.problem)
             self._retain_failed = True
         else:
             self._retain_failed = False
+            self._retained = data
 
     # ------------------------------------------------------------------ stop
 
