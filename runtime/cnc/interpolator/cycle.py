@@ -155,6 +155,7 @@ def choose(
     up, borders = real[0, 6], real[1, 8 : 8 + 6].T
     stop_A, stop_J = np.inf, np.inf
     best, other = -1, -1
+    overflows = 0.0
     if i[APART] == 1:
         return -1, False
     for mode in range(2):
@@ -187,8 +188,7 @@ def choose(
             period, f[V], f[A], count, kind, d, x, A_to, J_to, B, state, up, places[BEHIND] if mode == 1 else 0,
             borders, plans[mode],
         )  # fmt: skip
-        if overflow:
-            f[OVERFLOWS] += 1.0
+        overflows += 1.0 if overflow else 0.0
         if best < 0:
             best = mode
             continue
@@ -211,6 +211,7 @@ def choose(
             f[PLAN_TIME] = 0.0
             return mode, True
     i[REFUSED] += 1
+    f[OVERFLOWS] += overflows  # a proposal that broke off is never proven: it only counts if there was no other
     return -1, True
 
 

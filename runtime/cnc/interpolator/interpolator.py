@@ -214,7 +214,7 @@ class Interpolator:
 
     @property
     def overflows(self) -> int:
-        """Cycles whose profile needed more pieces than foreseen; for diagnosis, 0 is right."""
+        """Cycles that kept their plan as the new one needed more pieces than foreseen; for diagnosis, 0 is right."""
         return int(self._f[c.OVERFLOWS])
 
     @property
