@@ -21,7 +21,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config import load_machine
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import machine as alarms
-from runtime.diagnostics.errors import Problem, TandemError
+from runtime.diagnostics.errors import ErrorEntry, Problem, TandemError
 from runtime.diagnostics.events import EventRing
 from runtime.drives import DriveSystem
 from runtime.fieldbus.bus import open_bus
@@ -66,6 +66,7 @@ class CycleProcess:
             machine, self.drives, self.memory, self.events, self.queue, self.link, plc, wall_clock=time.time_ns
         )
         self._stop_reason = ""
+        self._told_reason: ErrorEntry | None = None
         self._parent = os.getppid()
         self._store = RetainedStore(state_directory(machine.state_directory, os.environ))
         self._positions_before: dict[str, float] = {}
@@ -121,12 +122,13 @@ class CycleProcess:
                 self._compare_positions()
             if self._stop_reason and not give_up_at:
                 give_up_at = now + _STOP_LIMIT
-                controller.alarm(self._why_stopped())
+                self._tell_why_stopped()
                 controller.stop()
             if give_up_at and now > give_up_at:
                 break
         self.drives.stop()
         if self._orphaned:
+            self._tell_why_stopped()
             self._keep_the_cause()
         return int(self._orphaned)
 
@@ -134,11 +136,16 @@ class CycleProcess:
     def _orphaned(self) -> bool:
         return os.getppid() != self._parent
 
-    def _why_stopped(self) -> Problem:
-        """SIGTERM comes from the service process, or from the kernel because that process has died."""
-        if self._orphaned:
-            return Problem(alarms.SERVICE_LOST)
-        return Problem(alarms.STOP_ORDERED, {"reason": self._stop_reason})
+    def _tell_why_stopped(self) -> None:
+        """SIGTERM comes from the service process, or from the kernel because that process has died.
+
+        The kernel's comes with the first thread of the service that dies, a moment before the whole process is gone; so this is
+        called once more when the machine stands.
+        """
+        entry = alarms.SERVICE_LOST if self._orphaned else alarms.STOP_ORDERED
+        if entry is not self._told_reason:
+            self._told_reason = entry
+            self.controller.alarm(Problem(entry, {"reason": self._stop_reason}))
 
     def _keep_the_cause(self) -> None:
         """Nobody is left to write the journal and to keep positions and alarms; called when the cycle is over."""
