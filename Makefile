@@ -68,8 +68,8 @@ bench: $(INSTALLED)
 
 lock: $(INSTALLED)
 	@$(BIN)/python -m pip install --disable-pip-version-check --quiet pip-tools
-	$(BIN)/pip-compile --quiet --upgrade --extra dev --strip-extras --no-header --no-emit-index-url \
-	    --no-emit-trusted-host --no-emit-find-links --output-file requirements.lock pyproject.toml
+	$(BIN)/pip-compile --quiet --upgrade --extra dev --strip-extras --no-header --no-emit-options \
+	    --output-file requirements.lock pyproject.toml
 
 clean:
 	@rm -rf .venv out build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
