@@ -99,7 +99,7 @@ def test_a_ready_program_is_unloaded_before_the_mode_is_left() -> None:
         ),
     ],
 )
-@pytest.mark.spec("hli.mode.unit", "hli.mode.states", "hli.mode.mdi", "hli.mode.manual", "hli.mode.homing")
+@pytest.mark.spec("hli.mode.unit", "hli.mode.states")
 def test_refusals_name_the_reason(mode: Mode, state: State, wish: Wish, entry: ErrorEntry) -> None:
     refused = next_step(mode, state, wish)
     assert isinstance(refused, Refusal)

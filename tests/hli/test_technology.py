@@ -60,7 +60,7 @@ def test_kinds_without_wait_end_when_they_are_taken(synch: int, acknowledged: bo
     assert channel.techno_unit_std_sync[0].done_w == acknowledged, "the unit of a MOS may be another's already"
 
 
-@pytest.mark.spec("hli.tech.s-data", "hli.tech.t-data", "hli.tech.axis-specific")
+@pytest.mark.spec("hli.tech.s-data", "hli.tech.t-data")
 def test_spindle_and_tool_data() -> None:
     _, port, taker = sides()
     port.put(Function(Kind.S, 3, synch=MVS_SVS, revolutions=6_000_000, position=900_000))
