@@ -12,9 +12,10 @@ from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.words import Expression, ParsedBlock, Word, WordKind
 
-# Possessive quantifiers: a text that does not match is given up at once, however long its numbers are.
-_WORD = r"([A-CF-KMQ-Zf-kmr-t])[ \t]*+([+-]?(?:\d++\.?\d*+|\.\d++))[ \t]*+"
-_BLOCK = re.compile(rf"[ \t]*+(?:[Nn][ \t]*+(\d++)[ \t]*+)?((?:{_WORD})++)")
+# Nothing in it can match in two ways, so that a text that does not match is given up in linear time, however long its
+# numbers are. Possessive quantifiers would say the same, but over groups they match wrongly before Python 3.11.5.
+_WORD = r"([A-CF-KMQ-Zf-kmr-t])[ \t]*([+-]?(?:\d+(?:\.\d*)?|\.\d+))[ \t]*"
+_BLOCK = re.compile(rf"[ \t]*(?:[Nn][ \t]*(\d+)[ \t]*)?((?:{_WORD})+)")
 _WORDS = re.compile(_WORD)
 _KINDS = {
     "F": WordKind.FEED,
