@@ -22,6 +22,7 @@ def command(
     config: Annotated[
         Path | None, typer.Option("-c", "--config", help="Machine description; default: the built-in demo machine.")
     ] = None,
+    dialect: Annotated[str, typer.Option(help="As for the other commands; without effect here.")] = "isg",
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings as a JSON list.")] = False,
 ) -> None:
     """Tell whether this host is fit for real time, and what to do if not.

@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from runtime.config.loader import load_machine
 from runtime.drives import DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
@@ -37,6 +38,19 @@ app.add_typer(command, name="command")
 
 Name = Annotated[str, typer.Option("--name", help="Name of the runtime (its shared memory).")]
 Switch = Annotated[str, typer.Argument(metavar="on|off")]
+
+
+@app.callback()
+def _common(
+    config: Annotated[
+        Path | None,
+        typer.Option("-c", "--config", help="Machine description; checked, nothing else: the HLI tells itself."),
+    ] = None,
+    dialect: Annotated[str, typer.Option(help="As for the other commands; without effect here.")] = "isg",
+) -> None:
+    """Look into the interface memory of a running machine, and command it."""
+    if config is not None:
+        load_machine(config)
 
 
 # --------------------------------------------------------------------------------------------- look
