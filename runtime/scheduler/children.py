@@ -18,10 +18,10 @@ from dataclasses import dataclass
 _PR_SET_PDEATHSIG = 1
 
 
-def die_with_parent() -> None:
-    """Called by a child at its start: SIGTERM when the parent dies, Ctrl-C ignored."""
+def die_with_parent(by: signal.Signals = signal.SIGTERM) -> None:
+    """Called by a child at its start: signal `by` when the parent dies, Ctrl-C ignored."""
     libc = ctypes.CDLL(None, use_errno=True)
-    libc.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
+    libc.prctl(_PR_SET_PDEATHSIG, by, 0, 0, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

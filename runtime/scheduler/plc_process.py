@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import ctypes
 import os
 import select
 import signal
@@ -28,19 +27,19 @@ from runtime.hli.errors import HliError
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.host import PlcHost
+from runtime.scheduler.children import die_with_parent
 from runtime.scheduler.plc_program import load_host
 from runtime.scheduler.realtime import RefusedError, set_priority
 
 EXIT_LOAD, EXIT_RAISED, EXIT_NO_HLI, EXIT_CONFIGURATION = 3, 4, 5, 6
 PLC_BELOW = 10  # priorities below the cycle
 PATIENCE_MS = 200  # without a wake-up: look whether the runtime still lives
-PR_SET_PDEATHSIG = 1
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the PLC until something ends it; returns the exit code."""
     options = _options(arguments)
-    _die_with_parent()
+    die_with_parent(signal.SIGKILL)  # user code that hangs would not see anything milder
     stop = _StopRequest()
     try:
         path = DEMO_MACHINE if options.machine == "demo" else Path(options.machine)
@@ -96,14 +95,6 @@ def _run(host: PlcHost, memory: HliMemory, wake_fd: int, stop: _StopRequest) -> 
         has_run |= bool(head.running_r)
         if has_run and not head.running_r:
             return
-
-
-def _die_with_parent() -> None:
-    """The kernel kills this process when the thread that started it ends: a PLC without its CNC has nothing to do.
-
-    SIGKILL, because user code that hangs would not see anything milder.
-    """
-    ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
