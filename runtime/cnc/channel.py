@@ -306,7 +306,7 @@ class Channel:
         if self.link.state is PreparationState.FAILED and not self._told_failure:
             self._told_failure = True
             failure = self.link.problem
-            entry = CATALOGUE.get(failure.id, machine.PREPARATION_SILENT)
+            entry = CATALOGUE.get(failure.id, machine.PREPARATION_FAILED)
             told = ErrorEntry(entry.id, "{text}", entry.severity, Reaction.NONE, entry.remedy)
             self.error = told
             place = Place(failure.file or self.program, failure.line, failure.column)

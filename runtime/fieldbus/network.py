@@ -78,11 +78,6 @@ class PolledNetwork(canopen.Network):
                 frame.due = max(frame.due + frame.period, now)
                 self.send_message(frame.can_id, frame.data)
 
-    @property
-    def next_due(self) -> float:
-        """When the next periodic frame is due (s); infinity if none."""
-        return min((frame.due for frame in self._periodic), default=float("inf"))
-
     def receive(self, message: can.Message) -> None:
         """Hand a received frame to its subscribers. Frames that canopen cannot read are dropped."""
         if message.is_error_frame or message.is_remote_frame or message.is_extended_id:

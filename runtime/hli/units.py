@@ -52,8 +52,3 @@ def to_int32(value: float, factor: float) -> int:
     if math.isnan(value):
         return 0
     return int(min(max(round(value / factor) if math.isfinite(value) else math.copysign(INT32, value), -INT32), INT32))
-
-
-def to_int64(value: float, factor: float) -> int:
-    """The same for the 64-bit elements (positions)."""
-    return round(value / factor) if math.isfinite(value) else 0

@@ -53,7 +53,6 @@ class CycleProcess:
         n_axes = len(machine.channels[0].axes)
         self._bus = open_bus(machine.fieldbus.bus)  # first: what refuses to start leaves no memory behind
         self.memory = HliMemory.create(name)
-        self.memory.hli.head.machine_name_r = machine.name.encode()
         self.events = EventRing(names.events(name))
         self.queue = MotionQueue(n_axes, names.queue(name, 0))
         self.link = PreparationLink(n_axes, names.link(name, 0))

@@ -7,8 +7,9 @@ import numpy.typing as npt
 
 from runtime.cnc.axes.supervision import AxisSupervision
 from runtime.cnc.channel import Channel
-from runtime.config.machine import AxisType, Machine
+from runtime.config.machine import Machine
 from runtime.drives import DriveImage, DriveState
+from runtime.hli.describe import describe_machine
 from runtime.hli.layout import AxisState, Hli, StopCondition
 from runtime.hli.memory import put_text
 from runtime.hli.records import records
@@ -18,7 +19,6 @@ from runtime.kernels import kernel, warms
 Floats = npt.NDArray[np.float64]
 LENGTH = 1e4  # 0.1 µm per mm, 0.0001 degrees per degree
 SPEED = 1e3  # µm/s per mm/s, 0.001 degrees/s per degree/s
-_AXIS_TYPE = {AxisType.LINEAR: 1, AxisType.ROTARY: 2, AxisType.SPINDLE: 4}
 _WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
 _WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
 _DWELL = int(StopCondition.DWELL)
@@ -116,22 +116,10 @@ class Publisher:
         self._digital_out = np.frombuffer(hli.image.digital_out_w, dtype=np.uint8)
         self._analogue_in = np.frombuffer(hli.image.analogue_in_r)
         self._analogue_out = np.frombuffer(hli.image.analogue_out_w)
-        described = machine.channels[0]
-        head = hli.head
-        head.channels_r = 1
-        head.axes_r = len(machine.axes)
-        head.cycle_time_r = round(machine.cycle.period * 1e6)
-        area = hli.channels[0]
-        area.name_r = described.name.encode()
-        area.axis_count_r = len(described.axes)
-        for k, name in enumerate(described.axes):
-            area.axis_index_r[k] = machine.axis_index(name)
-        for i, axis in enumerate(machine.axes):
-            hli.axes[i].name_r = axis.name.encode()
-            hli.axes[i].log_ax_n_r = axis.log_axis
-            hli.axes[i].axis_type_r = _AXIS_TYPE[axis.type]
-            hli.axes[i].status.drive_type_r = _CANOPEN if real else _SIMULATION
-            hli.axes[i].status.referenced_r = True  # absolute encoders; homing is not in this version
+        describe_machine(hli, machine)
+        for axis in hli.axes[: len(machine.axes)]:
+            axis.status.drive_type_r = _CANOPEN if real else _SIMULATION
+            axis.status.referenced_r = True  # absolute encoders; homing is not in this version
 
     def inputs(self) -> None:
         """Start of the cycle: the machine's inputs, for the PLC."""

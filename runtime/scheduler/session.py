@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +22,7 @@ from runtime.hli.units import LENGTH, RAPID, SPEED
 from runtime.scheduler.journal import Journal
 from runtime.scheduler.supervisor import RunOptions, Supervisor
 
+_MOST_POINTS = 360_000  # two hours at 50 per second
 _READY_LIMIT = 30.0  # s
 _FUNCTIONS = {EventKind.M_OUT: "M", EventKind.H_OUT: "H", EventKind.T_OUT: "T", EventKind.SPINDLE: "spindle M"}
 
@@ -62,7 +63,7 @@ class Session:
         self._positions: dict[str, float] = {}
         self._problems: list[str] = []
         self._functions: Counter[str] = Counter()
-        self._points: list[tuple[float, ...]] = []
+        self._points: deque[tuple[float, ...]] = deque(maxlen=_MOST_POINTS)  # the newest, for the picture
         self._figures = (0, 0, 0)
         self._quantiles = (0.0, 0.0)
 

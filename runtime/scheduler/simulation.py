@@ -7,7 +7,7 @@ the clock and the bus differ. Two runs do the same, bit by bit.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from runtime.fieldbus.simulator.plant import SimulatedPlant
 from runtime.hli.describe import io_bits
 from runtime.hli.layout import Mode, State, StopCondition
 from runtime.hli.memory import HliMemory
+from runtime.scheduler.clock import VirtualClock
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
@@ -92,8 +93,7 @@ class Simulation:
     ) -> None:
         self.machine = machine
         self.period = machine.cycle.period
-        self.time = 0.0
-        self._steps = 0
+        self.clock = VirtualClock(machine.cycle.period)
         channel = machine.channels[0]
         self.memory = HliMemory.private()
         self.events = EventRing()
@@ -142,7 +142,7 @@ class Simulation:
             every = self.machine.plc.every  # nobody looks at the inputs more often
 
             def step_plant() -> None:
-                if self._steps % every == 0:
+                if self.clock.cycle % every == 0:
                     plant.step()
 
             return drives, step_plant
@@ -160,7 +160,7 @@ class Simulation:
             self.nodes.step(self.time)
 
         def idle() -> None:  # while the master boots: the nodes and the virtual time go on
-            self._advance()
+            self.clock.wait()
             step()
 
         return CanopenMaster(self.machine, master_bus, now=lambda: self.time, idle=idle), step
@@ -170,9 +170,10 @@ class Simulation:
             for row in rows(block, self.machine.channels[0].axes):
                 self.writer.block(row)
 
-    def _advance(self) -> None:
-        self._steps += 1
-        self.time = self._steps * self.period
+    @property
+    def time(self) -> float:
+        """Virtual seconds since the start."""
+        return self.clock.now()
 
     # ------------------------------------------------------------------ time
 
@@ -188,7 +189,7 @@ class Simulation:
             while (state := self.preparation.poll()) is PumpState.MORE:
                 pass
             self._room = BATCH if state is PumpState.FULL else self.queue.capacity + 1  # or nothing more comes
-        self._advance()
+        self.clock.wait()
 
     def after_cycle(self) -> None:
         """The simulated nodes answer, trace and log take what has come."""
@@ -326,8 +327,3 @@ class PlantOnImage:
                 image.digital_in[bit // 8] |= mask
             else:
                 image.digital_in[bit // 8] &= 0xFF ^ mask
-
-
-def events_of(events: list[Event], *kinds: EventKind) -> Iterator[Event]:
-    """The events of the given kinds, in order."""
-    return (event for event in events if event.kind in kinds)

@@ -101,12 +101,8 @@ class Interpolator:
 
     @property
     def path_position(self) -> float:
-        """Way since `restart` or `reset_path_position`, mm."""
+        """Way since `restart`, mm."""
         return float(self._f[c.PATH])
-
-    def reset_path_position(self) -> None:
-        """Count the way from here."""
-        self._f[c.PATH] = 0.0
 
     @property
     def remaining(self) -> float:

@@ -40,11 +40,10 @@ AXES_NOT_READY = ErrorEntry(
 CHANNEL_IN_ERROR = ErrorEntry(
     306014, "the program does not start: the channel is in error", remedy="reset the channel first"
 )
-PREPARATION_SILENT = ErrorEntry(
+PREPARATION_FAILED = ErrorEntry(
     306015,
-    "the preparation process does not answer",
-    reaction=Reaction.STOP_ON_PATH,
-    remedy="restart the runtime; the journal says why the process ended",
+    "the preparation has failed without an id of the catalogue",
+    remedy="this is an error of the runtime; keep the journal and report it",
 )
 CYCLE_FAILED = ErrorEntry(
     306016,
