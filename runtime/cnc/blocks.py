@@ -53,9 +53,29 @@ class Source:
     n: int | None = None
 
 
+class CornerKind(Enum):
+    """What is inserted between a motion and the next one in the plane."""
+
+    CHAMFER_WIDTH = "G301"  # size: distance from the corner on each element
+    CHAMFER_LENGTH = "#CHF"  # size: length of the inserted line
+    ROUNDING = "G302"  # size: radius
+
+
+@dataclass(frozen=True, slots=True)
+class Corner:
+    """A chamfer or rounding asked for at the end of a motion: `size` in mm, `feed` in mm/min, None for the usual one."""
+
+    kind: CornerKind
+    size: float
+    feed: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A straight move of all axes. `start_pcs` and `end_pcs` are the programmed coordinates."""
+    """A straight move of all axes; `end_pcs` are the programmed coordinates of the target.
+
+    `plane` holds the indices of the two axes of the active plane. `end_feed` is the feed wanted at the end (E word).
+    """
 
     source: Source
     start: Floats
@@ -63,6 +83,9 @@ class Line:
     feed: float
     rapid: bool
     end_pcs: Floats
+    plane: tuple[int, int] = (0, 1)
+    corner: Corner | None = None
+    end_feed: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +105,25 @@ class Arc:
     plane: tuple[int, int]
     centre: Floats
     radius: float
+    angle: float
+    corner: Corner | None = None
+    end_feed: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SpatialArc:
+    """An arc in space: the path turns about `centre` from `start` by `angle` degrees (0 to 360) around the unit vector `normal`.
+
+    `start`, `end` (n_axes,); `centre`, `normal` (3,) in the first three axes. The other axes move linearly over it.
+    """
+
+    source: Source
+    start: Floats
+    end: Floats
+    feed: float
+    end_pcs: Floats
+    centre: Floats
+    normal: Floats
     angle: float
 
 
@@ -154,4 +196,110 @@ class BlockEnd:
     source: Source
 
 
-Block = Line | Arc | Polyline | TechnologyFunction | Wait | Dwell | Stop | BlockEnd
+class FlushKind(Enum):
+    """How the preparation is emptied into the interpolator."""
+
+    STOP = "#FLUSH"  # the path stops briefly here, decoding goes on
+    CONTINUE = "#FLUSH CONTINUE"  # everything before is handed over now, no stop is forced
+    WAIT = "#FLUSH WAIT"  # decoding goes on when path, functions and messages have come this far
+
+
+@dataclass(frozen=True, slots=True)
+class Flush:
+    """Hand over what was decoded so far. After WAIT the decoder is not asked for more until everything is done."""
+
+    source: Source
+    kind: FlushKind
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """Nothing to hand over now: the decoder waits for the outside (`reason`, in words) and is to be asked again later."""
+
+    source: Source
+    reason: str
+
+
+class Receiver(Enum):
+    """Who gets a message."""
+
+    DIAGNOSIS = "ISG_DIAG_BED"
+    HMI = "HMI"
+    PLC = "PLC"
+    EVENT_LOGGER = "EVENT_LOGGER"
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """#MSG, #MSG INFO, #ADD at their place on the path; `acknowledge`: the path waits until the receiver has taken it.
+
+    Messages of decoding time are no blocks: the decoder tells them to its `Outside`.
+    """
+
+    source: Source
+    text: str
+    receiver: Receiver = Receiver.DIAGNOSIS
+    acknowledge: bool = False
+    information: bool = False
+
+
+class TimerCommand(Enum):
+    START = "START"
+    STOP = "STOP"
+    CLEAR = "CLEAR"
+    READ = "READ"
+
+
+@dataclass(frozen=True, slots=True)
+class TimerAction:
+    """#TIMER … SYN: acts on counter `timer` (0…127) when the path is here."""
+
+    source: Source
+    command: TimerCommand
+    timer: int
+
+
+@dataclass(frozen=True, slots=True)
+class ExternalWrite:
+    """A synchronous external variable gets its value when the path is here; `offset` in bytes into the V.E area.
+
+    `kind` is its type name (BOOLEAN, SGN08 … REAL64, STRING); `size` in bytes; `value` a number or a text.
+    """
+
+    source: Source
+    offset: int
+    kind: str
+    size: int
+    value: float | str
+
+
+@dataclass(frozen=True, slots=True)
+class UserError:
+    """#ERROR: an error of the program's own. `remedy_class` 0 warning, 2 error (reset), 7 fatal; `values` as told."""
+
+    source: Source
+    number: int
+    remedy_class: int
+    multiple: int
+    values: tuple[float | str, ...] = ()
+    meanings: tuple[int, ...] = ()
+    further: tuple[float, ...] = ()
+
+
+Block = (
+    Line
+    | Arc
+    | SpatialArc
+    | Polyline
+    | TechnologyFunction
+    | Wait
+    | Dwell
+    | Stop
+    | BlockEnd
+    | Flush
+    | Hold
+    | Message
+    | TimerAction
+    | ExternalWrite
+    | UserError
+)

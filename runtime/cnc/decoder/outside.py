@@ -1,0 +1,84 @@
+"""What the decoder asks and tells at decoding time: the machine around it, seen through one small protocol.
+
+In the runtime the preparation process stands behind it (HLI, clock, report files); `Offline` stands in where there is no
+machine (`tandem check`, `tandem blocks`, tests).
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Protocol
+
+from runtime.cnc.blocks import Floats, Message, TimerCommand, UserError
+
+EXTERNAL_BYTES = 65536  # of the area of external variables
+
+
+class Outside(Protocol):
+    """Positions hold after a `Flush` of kind WAIT was yielded and the decoder was asked to go on; (n_axes,), mm or degrees."""
+
+    @property
+    def external(self) -> memoryview:
+        """The area of the external variables (V.E), EXTERNAL_BYTES bytes, shared with the PLC."""
+
+    def command_position(self) -> Floats | None:
+        """Command position in machine coordinates, None where no machine is: the decoded position is meant then."""
+
+    def actual_position(self) -> Floats | None:
+        """Actual position in machine coordinates, None where no machine is."""
+
+    def now(self) -> datetime:
+        """The wall clock, for time stamps."""
+
+    def tell(self, message: Message) -> int:
+        """Put out a message at decoding time; its number, for `taken`."""
+
+    def taken(self, number: int) -> bool:
+        """The receiver has taken the message with this number."""
+
+    def error(self, error: UserError) -> None:
+        """A warning of #ERROR (remedy class 0), told at decoding time."""
+
+    def timer(self, command: TimerCommand, timer: int) -> int:
+        """Act on a counter (0…127) at decoding time; its value in ms."""
+
+    def waits_in_vain(self) -> bool:
+        """Nobody will ever change what the decoder waits for (no machine there): waiting ends at once."""
+
+
+class Offline:
+    """No machine: external variables are memory of one's own, messages are collected, nobody makes anybody wait."""
+
+    def __init__(self) -> None:
+        self._external = bytearray(EXTERNAL_BYTES)
+        self.messages: list[Message] = []
+        self.errors: list[UserError] = []
+
+    @property
+    def external(self) -> memoryview:
+        return memoryview(self._external)
+
+    def command_position(self) -> Floats | None:
+        return None
+
+    def actual_position(self) -> Floats | None:
+        return None
+
+    def now(self) -> datetime:
+        return datetime(2000, 1, 1)
+
+    def tell(self, message: Message) -> int:
+        self.messages.append(message)
+        return len(self.messages)
+
+    def taken(self, number: int) -> bool:
+        return True
+
+    def error(self, error: UserError) -> None:
+        self.errors.append(error)
+
+    def timer(self, command: TimerCommand, timer: int) -> int:
+        return 0
+
+    def waits_in_vain(self) -> bool:
+        return True
