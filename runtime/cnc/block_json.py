@@ -54,7 +54,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
     points = block.points.tolist()
-    programmed = (block.points - block.pcs_shift).tolist()
+    gain = 1.0 if block.pcs_gain is None else block.pcs_gain
+    programmed = ((block.points - block.pcs_shift) / gain).tolist()
     columns = zip(block.feeds.tolist(), block.lines.tolist(), block.numbers.tolist(), strict=True)
     for i, (feed, line, number) in enumerate(columns):
         yield {

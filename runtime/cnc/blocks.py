@@ -132,8 +132,8 @@ class Polyline:
     """A run of straight moves, in arrays: CAM output never becomes a million objects.
 
     `points` (k + 1, n_axes) starts with the position before the first move. `feeds` (k,) in mm/min, inf for rapid.
-    `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. `pcs_shift` (n_axes,): machine minus
-    programmed coordinates, equal over the run.
+    `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. Programmed coordinates are
+    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes.
     """
 
     program: str
@@ -142,6 +142,7 @@ class Polyline:
     lines: npt.NDArray[np.int64]
     numbers: npt.NDArray[np.int64]
     pcs_shift: Floats
+    pcs_gain: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True)
