@@ -133,7 +133,8 @@ class Polyline:
 
     `points` (k + 1, n_axes) starts with the position before the first move. `feeds` (k,) in mm/min, inf for rapid.
     `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. `pcs_shift` (n_axes,): machine minus
-    programmed coordinates, equal over the run.
+    programmed coordinates, equal over the run. `plane`: the active plane, None where it is that of the motion before.
+    `one_block`: the run is a curve of one NC block, in which single block does not stop.
     """
 
     program: str
@@ -142,6 +143,8 @@ class Polyline:
     lines: npt.NDArray[np.int64]
     numbers: npt.NDArray[np.int64]
     pcs_shift: Floats
+    plane: tuple[int, int] | None = None
+    one_block: bool = False
 
 
 @dataclass(frozen=True, slots=True)
