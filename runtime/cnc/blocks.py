@@ -133,7 +133,9 @@ class Polyline:
 
     `points` (k + 1, n_axes) starts with the position before the first move. `feeds` (k,) in mm/min, inf for rapid.
     `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. Programmed coordinates are
-    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes.
+    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes. `plane`: the
+    active plane, None where it is that of the motion before. `one_block`: the run is a curve of one NC block, in which
+    single block does not stop.
     """
 
     program: str
@@ -143,6 +145,8 @@ class Polyline:
     numbers: npt.NDArray[np.int64]
     pcs_shift: Floats
     pcs_gain: Floats | None = None
+    plane: tuple[int, int] | None = None
+    one_block: bool = False
 
 
 @dataclass(frozen=True, slots=True)
