@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, Source
 from runtime.cnc.decoder.block import WordBlocks
 from runtime.cnc.decoder.circles import CircleError
-from runtime.cnc.decoder.corners_stage import with_corners
+from runtime.cnc.decoder.corners import Corners
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow, end_of_section
 from runtime.cnc.decoder.frames import Frame, Level
@@ -107,7 +107,9 @@ class Decoder:
 
         A `Hold` among them says that the program waits for the outside: go on asking later.
         """
-        return with_corners(self._blocks())
+        corners = Corners(self._x.setup.axes)
+        corners.warnings = self._x.warnings
+        return corners(self._blocks())
 
     def _blocks(self) -> Iterator[Block]:
         x = self._x
@@ -122,7 +124,7 @@ class Decoder:
                 self.executed += 1
                 self._idle += 1
                 if self.executed % HANDED_OVER == 0:
-                    if x.collected:
+                    if x.collected and entry not in unit.corner_blocks:
                         yield from self._handed_over()
                     if self.executed % POLL == 0:
                         if self._interrupted():
@@ -133,6 +135,10 @@ class Decoder:
                     raise ProgramError(catalogue.ENDLESS_LOOP, unit.place(unit.line(entry)), count=self._idle_limit)
                 frame.index = entry + 1
                 if unit.count(entry):
+                    if unit.corner_follows(entry, frame.section):  # the last motion has to stay at hand
+                        x.flush_run()
+                        x.out.extend(self._run(frame, unit, entry))
+                        continue
                     yield from self._handed_over()
                     for part in self._run(frame, unit, entry):
                         self._idle = 0
@@ -154,7 +160,7 @@ class Decoder:
                     yield Hold(x.source, reason)
                     if self._interrupted():
                         return
-                elif x.out:
+                elif x.out and not unit.corner_follows(entry, frame.section):
                     yield from self._handed_over()
         except ProgramError:
             yield from self._handed_over()

@@ -131,6 +131,9 @@ class DecoderSetup:
     macros: Mapping[str, str] = field(default_factory=dict)  # makro_def[]
     feed_factor: float = 1.0  # F to mm/min, from P-CHAN-00108
     mixed_dimension: bool = False  # P-CHAN-00116
+    clamp_limits: bool = False  # P-CHAN-00498: G98 and G99 may only narrow the configured limits
+    radius_change: float = 0.0  # mm, P-CHAN-00171: greatest difference of radii of an arc with G164, 0 is none
+    radius_change_share: float = 0.0  # of the radius, P-CHAN-00172
     create_transfer: bool = True  # P-CHAN-00463
     keep_cycle_changes: bool = False  # P-CHAN-00210
     keep_parameters: bool = False  # P-CHAN-00067
