@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from runtime.cnc.blocks import Arc, Block, Corner, CornerKind, Line, Polyline, Source
-from runtime.cnc.decoder.circles import Circle
+from runtime.cnc.decoder.circles import by_opening_angle
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import require_feed
@@ -118,21 +118,13 @@ def arc_by_angle(x: Execution, block: CompiledBlock, corner: Corner | None) -> b
     plane, letters, _ = plane_of(x, block)
     if any(axis in plane for axis in x.axis_words):
         raise LineError(catalogue.ANGLE_AND_TARGET, column)
-    opening = x.additions["CANG"]
-    if not 0 < abs(opening) < math.inf:
-        raise LineError(catalogue.DOMAIN, column, name="#CANG", value=opening)
-    centre = centre_point(x, plane, letters)
     start = x.coordinates.position
-    first, second = start[plane[0]] - centre[0], start[plane[1]] - centre[1]
-    angle = -opening if clockwise(x) else opening
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    begin = (start[plane[0]], start[plane[1]])
+    centre = centre_point(x, plane, letters)
+    circle, goal = by_opening_angle(begin, centre, x.additions["CANG"], clockwise(x))
     end = target(x, block)
-    end[plane[0]] = centre[0] + first * c - second * s
-    end[plane[1]] = centre[1] + first * s + second * c
-    radius = math.hypot(first, second)
-    if radius <= 0:
-        raise LineError(catalogue.RADIUS_ZERO, column)
-    emit_arc(x, block, end, plane, Circle(centre, radius, angle), corner)
+    end[plane[0]], end[plane[1]] = goal
+    emit_arc(x, block, end, plane, circle, corner)
     x.modal.radius = None
     x.coordinates.moved(end)
     return True

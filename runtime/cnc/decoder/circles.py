@@ -52,23 +52,6 @@ def by_centre(start: Point, end: Point, centre: Point, clockwise: bool, shift: f
     return Circle(centre, _radius(start, centre), _opening(start, end, centre, clockwise))
 
 
-def by_kept_centre(start: Point, end: Point, centre: Point, clockwise: bool, difference: float, share: float) -> Circle:
-    """The arc around `centre` as it is programmed (G164); the radius is that of the start.
-
-    The radii of start and end may differ by at most `difference` mm and at most `share` of the start's radius; 0 for both
-    allows the resolution only (lines 4918–4959).
-    """
-    first, last = math.dist(start, centre), math.dist(end, centre)
-    if first <= SAME_POINT:
-        raise CircleError(catalogue.RADIUS_ZERO)
-    if first > RADIUS_LIMIT:
-        raise CircleError(catalogue.RADIUS_RANGE, radius=first, limit=RADIUS_LIMIT)
-    limit = max(2 * RESOLUTION, min(difference, share * first))
-    if abs(last - first) > limit:
-        raise CircleError(catalogue.RADII_DIFFER, difference=abs(last - first), limit=limit)
-    return Circle(centre, first, _opening(start, end, centre, clockwise))
-
-
 def by_radius(start: Point, end: Point, radius: float, clockwise: bool) -> Circle:
     """The shorter arc for a positive radius, the longer one for a negative radius."""
     distance = math.dist(start, end)

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator
 
 from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, Source
 from runtime.cnc.decoder.block import WordBlocks
-from runtime.cnc.decoder.circles import CircleError
 from runtime.cnc.decoder.corners import Corners
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow, end_of_section
 from runtime.cnc.decoder.frames import Frame, Level
+from runtime.cnc.decoder.geometry_error import GeometryError
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
@@ -226,7 +226,7 @@ class Decoder:
             self._words.execute(frame, entry, block, values)
         except LineError as error:
             raise self._error(unit, error.column, block, error.entry, error.values) from None
-        except CircleError as error:
+        except GeometryError as error:
             given = {**error.values, "letters": ", ".join(PLANES[x.modal.plane][1])}
             raise self._error(unit, block.column(WordKind.AXIS), block, error.entry, given) from None
         except CalculationError as error:

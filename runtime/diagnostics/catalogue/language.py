@@ -622,13 +622,6 @@ CORNER_BLOCK = ErrorEntry(
 ARC_MAIN_AXES = ErrorEntry(
     300448, "G303 needs three main axes, the channel has {axes}", reaction=Reaction.STOP_AT_BLOCK_END
 )
-RADII_DIFFER = ErrorEntry(
-    300449,
-    "the radii of start and target differ by {difference:.6g} mm, allowed are {limit:.6g} mm",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="check {letters}, or let the centre be corrected with G165",
-    source="P-CHAN-00171, P-CHAN-00172",
-)
 FEED_CHANGE_CORNER = ErrorEntry(
     300450, "no chamfer or rounding in a block with a linear feed change", reaction=Reaction.STOP_AT_BLOCK_END
 )

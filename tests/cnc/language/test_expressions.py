@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.errors import CalculationError
-from runtime.cnc.language.isg.compiler import Parameters, compile_block
 from runtime.cnc.language.isg.functions import FUNCTIONS
-from runtime.cnc.language.isg.parser import block_parser
+from tests.cnc.decoder.programs import decode
 
 ADDRESSES = Addresses(("X", "Y", "Z"))
 

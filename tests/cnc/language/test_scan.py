@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from runtime.cnc.decoder.execution import vocabulary
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.comments import LineError, blank_comments
 from runtime.cnc.language.isg.numeric_blocks import numeric_block
@@ -17,7 +18,7 @@ from runtime.cnc.language.isg.scan import NO_MOTION, NO_NUMBER, PlainScanner
 from runtime.cnc.language.isg.words import ParsedBlock, WordKind
 
 ADDRESSES = Addresses(("X", "Y", "Z", "A", "XY"), ("S",), frozenset({8}), frozenset({9}))
-PARSER = block_parser(ADDRESSES)
+PARSER = block_parser(ADDRESSES, vocabulary(SETUP))
 
 # Pieces that make plain blocks, nearly plain ones and faulty ones.
 pieces = st.sampled_from(
@@ -72,7 +73,7 @@ def test_a_line_that_is_plain_for_the_kernel_means_the_same_for_the_grammar(line
     if count == 0:
         assert stopped or not line
         return
-    parsed = PARSER.parse(line)
+    parsed = PARSER.parse(line, NO_NAMES)
     rows = scanner.rows
     expected = {(word.kind, word.index): word.value.constant for word in parsed.words if word.value is not None}
     got: dict[tuple[WordKind, int], float | None] = {
