@@ -6,7 +6,6 @@ import math
 from importlib import resources
 from pathlib import Path
 
-
 _SURFACE_BEGIN = "%SURFACE\nN1 G90 G71 G94 G17\nN2 S18000 M3\nN3 G00 X0 Y0 Z10\nN4 G01 Z0 F1000\nN5 F6000\n"
 _SURFACE_END = "G00 Z10\nM5\nM30\n"
 
