@@ -1,0 +1,4 @@
+"""What programs mean, told a second time and without the product's code: random texts with the outcome that they must have.
+
+`expressions`, `strings`: texts and values · `flow`: programs, run by a small interpreter · `printing`: one block, written in many ways
+"""
