@@ -69,6 +69,7 @@ _ERROR = int(StopCondition.ERROR)
 _TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
 _MESSAGE = int(StopCondition.MESSAGE)
 _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
+_SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
 
@@ -108,7 +109,10 @@ class _Waiting:
 
 
 class Channel:
-    """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises."""
+    """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises.
+
+    `window` (n_axes,): how near a path axis is to its set-point when it stands, mm or degrees.
+    """
 
     def __init__(
         self,
@@ -121,7 +125,9 @@ class Channel:
         spindle_ports: list[TechnologyPort],
         events: EventRing,
         period: float,
+        window: Floats,
     ) -> None:
+        self._window = window
         self.queue = queue
         self.interpolator = interpolator
         self.link = link
@@ -151,6 +157,7 @@ class Channel:
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
         self._user_error_told = False
+        self._settling = 0.0  # s at the present #FLUSH WAIT
         self._actual = np.zeros(len(interpolator.position))
         self._time = 0.0
         self._cycle = 0
@@ -338,6 +345,7 @@ class Channel:
         self.interpolator.restart(self.interpolator.position.copy())
         self._drop_functions()
         self._dwell_left = -1.0
+        self._settling = 0.0
         self.program_ended = True
         self.phase = Phase.IDLE
 
@@ -413,15 +421,22 @@ class Channel:
     def _flush_wait(self) -> int:
         """The decoder goes on when functions of every kind and messages have been taken; it gets to know where the axes are."""
         path = self.interpolator
-        if not path.all_told:
+        if not path.standstill or not path.all_told or self._settles():
             return _NONE
         if self._waiting or self._overflow or self.port.pending or any(port.pending for port in self.spindle_ports):
             return _WAIT_TECHNOLOGY
         if not self.actions.all_taken:
             return _MESSAGE
+        self._settling = 0.0
         self.link.reach(path.position, self._actual)
         path.open_gate()
         return _NONE
+
+    def _settles(self) -> bool:
+        """The axes are still on their way to where the path stands."""
+        self._settling += self.period
+        lag = np.abs(self.interpolator.position - self._actual)
+        return self._settling < _SETTLED_AT_LAST and bool((lag > self._window).any())
 
     def _user_error(self, gate: QueueRecord) -> int:
         """The path goes no further: the alarm aborts the program here."""

@@ -93,6 +93,7 @@ class Controller:
             [TechnologyPort(hli.axes[i]) for i in indices],
             events,
             period,
+            np.array([axis.in_position for axis in path_axes]),
         )
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)

@@ -93,6 +93,8 @@ class Preparation:
             self._blocks = None
             if self._link.waiting_order is Order.NONE:
                 self._link.finish(PreparationState.FINISHED)
+            if self._outside.hand_over():
+                return PumpState.HELD
         return state
 
     def _begin(self) -> None:
