@@ -153,4 +153,5 @@ def speeds_at(scripted: Scripted, x: float) -> float:
 def positions(value: Floats | None) -> list[float]:
     """Rounded to the increments of the drives."""
     assert value is not None
-    return np.round(value, 4).tolist()
+    rounded: list[float] = np.round(value, 4).tolist()
+    return rounded
