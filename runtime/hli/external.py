@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.hli.errors import HliError
-from runtime.hli.layout import EXTERNAL_BYTES, EXTERNAL_DIMENSIONS, EXTERNAL_NAMES, EXTERNAL_PATH, Hli
+from runtime.hli.layout import EXTERNAL_BYTES, EXTERNAL_INDICES, EXTERNAL_NAMES, EXTERNAL_PATH, Hli
 from runtime.hli.memory import get_text, put_text
 
 TEXT = "STRING"
+ENCODING = "latin-1"  # one byte per letter: a text of n letters fits into n bytes and its end mark
 _FORMATS: dict[str, tuple[struct.Struct, int, int]] = {
     # type -> how it is stored, least and greatest value of whole numbers
     "BOOLEAN": (struct.Struct("=B"), 0, 1),
@@ -39,10 +40,10 @@ _GREATEST_REAL32 = 3.4028234e38
 
 
 class ExternalEntry(Protocol):
-    """A variable or an element of a structure, as the machine description lays it out.
+    """An elementary variable, or an elementary element of a structure, as the machine description lays it out.
 
-    `path` below V.E with dots, indices of arrays of structures in brackets; `size` bytes of one value; `dims` of the array it
-    is, empty for a single value.
+    `path` as it is written, with [] where an index belongs, with or without "V.E." in front; `offset` of the value with all
+    indices 0; `dims` and `strides` (bytes) of the indices from the left; `size` bytes of one value.
     """
 
     @property
@@ -54,24 +55,78 @@ class ExternalEntry(Protocol):
     @property
     def size(self) -> int: ...
     @property
-    def dims(self) -> Sequence[int]: ...
+    def dims(self) -> tuple[int, ...]: ...
     @property
-    def access(self) -> object: ...
+    def strides(self) -> tuple[int, ...]: ...
+    @property
+    def access(self) -> str: ...
     @property
     def synchronous(self) -> bool: ...
 
 
 @dataclass(frozen=True, slots=True)
 class ExternalVariable:
-    """A line of the directory."""
+    """A line of the directory; see `ExternalEntry`."""
 
     path: str
     kind: str
     offset: int
     size: int
     dims: tuple[int, ...]
+    strides: tuple[int, ...]
     access: str
     synchronous: bool
+
+
+class _LaidOut(Protocol):
+    """An element of a layout whose paths have no marks of indices, at every level of its structures."""
+
+    @property
+    def type(self) -> str: ...
+    @property
+    def offset(self) -> int: ...
+    @property
+    def size(self) -> int: ...
+    @property
+    def dims(self) -> tuple[int, ...]: ...
+    @property
+    def strides(self) -> tuple[int, ...]: ...
+    @property
+    def access(self) -> str: ...
+    @property
+    def synchronous(self) -> bool: ...
+    @property
+    def elementary(self) -> bool: ...
+
+
+def directory_of(elements: Mapping[str, _LaidOut]) -> list[ExternalVariable]:
+    """The directory of a layout: its elementary elements, with [] where their indices belong.
+
+    An element has the indices of what it is part of, and then its own: so the ones of each level are known from both.
+    """
+    variables = []
+    for path, element in elements.items():
+        if not element.elementary:
+            continue
+        names = path.split(".")
+        marked, before = [], 0
+        for level, name in enumerate(names, 1):
+            here = len(elements[".".join(names[:level])].dims)
+            marked.append(name + "[]" * (here - before))
+            before = here
+        variables.append(
+            ExternalVariable(
+                ".".join(marked),
+                element.type,
+                element.offset,
+                element.size,
+                element.dims,
+                element.strides,
+                element.access,
+                element.synchronous,
+            )
+        )
+    return variables
 
 
 def external_area(hli: Hli) -> memoryview:
@@ -83,36 +138,52 @@ def describe_external(hli: Hli, entries: Iterable[ExternalEntry]) -> None:
     """Write the directory: the CNC, before anybody else attaches. Raises HliError for what the area cannot hold."""
     count = 0
     for entry in entries:
-        end = entry.offset + entry.size * math.prod(entry.dims)
-        fits = count < EXTERNAL_NAMES and len(entry.path.encode()) < EXTERNAL_PATH
-        fits = fits and len(entry.dims) <= EXTERNAL_DIMENSIONS and entry.offset >= 0 and end <= EXTERNAL_BYTES
-        if not fits or entry.kind not in KINDS or (entry.kind != TEXT and entry.size != size_of(entry.kind)):
-            raise HliError(catalogue.EXTERNAL_NOT_LAID_OUT, path=entry.path, bytes=EXTERNAL_BYTES, names=EXTERNAL_NAMES)
+        path = entry.path.removeprefix("V.E.")
+        if count >= EXTERNAL_NAMES or not _fits(entry, path):
+            raise HliError(catalogue.EXTERNAL_NOT_LAID_OUT, path=path, bytes=EXTERNAL_BYTES, names=EXTERNAL_NAMES)
         line = hli.external_names[count]
-        put_text(line, "path_r", entry.path)
+        put_text(line, "path_r", path)
         put_text(line, "kind_r", entry.kind)
-        put_text(line, "access_r", str(entry.access))
+        put_text(line, "access_r", entry.access)
         line.offset_r, line.size_r, line.synchronous_r = entry.offset, entry.size, entry.synchronous
-        for i in range(EXTERNAL_DIMENSIONS):
-            line.dimensions_r[i] = entry.dims[i] if i < len(entry.dims) else 0
+        for i in range(EXTERNAL_INDICES):
+            line.extents_r[i] = entry.dims[i] if i < len(entry.dims) else 0
+            line.strides_r[i] = entry.strides[i] if i < len(entry.dims) else 0
         count += 1
     hli.external_count_r = count
 
 
+def _fits(entry: ExternalEntry, path: str) -> bool:
+    """Every value of it lies in the area, and the directory has room for its name and its indices."""
+    dims, strides, size = entry.dims, entry.strides, entry.size
+    if len(path.encode()) >= EXTERNAL_PATH or not path.count("[]") == len(dims) == len(strides) <= EXTERNAL_INDICES:
+        return False
+    if entry.kind not in KINDS or size < 1 or (entry.kind != TEXT and size != size_of(entry.kind)):
+        return False
+    if any(extent < 1 for extent in dims) or any(stride < 1 for stride in strides):
+        return False
+    last = entry.offset + sum((extent - 1) * stride for extent, stride in zip(dims, strides, strict=True))
+    return entry.offset >= 0 and last + size <= EXTERNAL_BYTES
+
+
 def external_variables(hli: Hli) -> list[ExternalVariable]:
     """The directory, in the order of the description."""
-    return [
-        ExternalVariable(
-            path=get_text(line, "path_r"),
-            kind=get_text(line, "kind_r"),
-            offset=int(line.offset_r),
-            size=int(line.size_r),
-            dims=tuple(int(d) for d in line.dimensions_r if d),
-            access=get_text(line, "access_r"),
-            synchronous=bool(line.synchronous_r),
+    variables = []
+    for line in hli.external_names[: min(hli.external_count_r, EXTERNAL_NAMES)]:
+        dims = tuple(int(extent) for extent in line.extents_r if extent)
+        variables.append(
+            ExternalVariable(
+                path=get_text(line, "path_r"),
+                kind=get_text(line, "kind_r"),
+                offset=int(line.offset_r),
+                size=int(line.size_r),
+                dims=dims,
+                strides=tuple(int(stride) for stride in line.strides_r[: len(dims)]),
+                access=get_text(line, "access_r"),
+                synchronous=bool(line.synchronous_r),
+            )
         )
-        for line in hli.external_names[: hli.external_count_r]
-    ]
+    return variables
 
 
 def size_of(kind: str) -> int:
@@ -123,7 +194,7 @@ def size_of(kind: str) -> int:
 def read_external(area: memoryview, offset: int, kind: str, size: int) -> float | int | str:
     """The value at `offset`; a text without its end mark. 0 or "" for a place outside of the area."""
     if kind not in _FORMATS:
-        return bytes(area[offset : offset + size]).split(b"\0", 1)[0].decode("utf-8", "replace")
+        return bytes(area[offset : offset + size]).split(b"\0", 1)[0].decode(ENCODING)
     stored = _FORMATS[kind][0]
     if not 0 <= offset <= len(area) - stored.size:
         return 0
@@ -163,6 +234,5 @@ def write_external(area: memoryview, offset: int, kind: str, size: int, value: f
 def _write_text(area: memoryview, offset: int, size: int, value: float | str) -> bool:
     if not isinstance(value, str) or size < 1 or not 0 <= offset <= len(area) - size:
         return False
-    data = value.encode("utf-8", "replace")[: size - 1].decode("utf-8", "ignore").encode()
-    area[offset : offset + size] = data.ljust(size, b"\0")
+    area[offset : offset + size] = value.encode(ENCODING, "replace")[: size - 1].ljust(size, b"\0")
     return True

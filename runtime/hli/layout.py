@@ -31,7 +31,7 @@ TIMERS = 128  # counters of #TIMER
 EXTERNAL_BYTES = 65536  # area of the external variables
 EXTERNAL_NAMES = 1024  # external variables and elements of structures with a name
 EXTERNAL_PATH = 96
-EXTERNAL_DIMENSIONS = 3
+EXTERNAL_INDICES = 6
 MAGIC = 0x314D444E4154  # "TANDM1"
 VERSION = "1.0"  # of the layout; its hash tells every other difference
 
@@ -458,8 +458,8 @@ class Timer(c.Structure):
 class ExternalName(c.Structure):
     """An external variable, or an element of a structure: where it lies in the area, and what it is.
 
-    `path_r` is its name below V.E, elements separated by dots. `size_r` bytes of one value; arrays are packed, the last index
-    runs fastest; a dimension of 0 is none.
+    `path_r` is its name below V.E, elements separated by dots, [] where an index belongs. `offset_r` is where the value with all
+    indices 0 begins, `size_r` the bytes of one value, `extents_r` and `strides_r` (bytes) belong to the indices from the left.
     """
 
     _fields_ = [
@@ -468,7 +468,8 @@ class ExternalName(c.Structure):
         ("access_r", c.c_char * 16),  # of the NC program
         ("offset_r", c.c_uint32),
         ("size_r", c.c_uint32),
-        ("dimensions_r", c.c_uint16 * EXTERNAL_DIMENSIONS),
+        ("extents_r", c.c_uint32 * EXTERNAL_INDICES),
+        ("strides_r", c.c_uint32 * EXTERNAL_INDICES),
         ("synchronous_r", c.c_bool),
     ]
 

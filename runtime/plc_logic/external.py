@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import difflib
 import math
-import re
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TypeAlias
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.hli.external import (
@@ -30,147 +30,129 @@ from runtime.hli.layout import Hli
 from runtime.plc_logic.errors import PlcError
 
 Value: TypeAlias = float | int | bool | str
-_INDEX = re.compile(r"\[(\d+)\]")
 
 
-class _Place:
-    """One value: how it is read and written."""
+@dataclass(slots=True)
+class _Shape:
+    """What stands at a name, whatever its indices are: a variable, or a structure with what is below it.
 
-    __slots__ = ("area", "kind", "offset", "path", "size")
+    `depth` is how many indices stand in front of its own, `extents` are those of its own.
+    """
 
-    def __init__(self, area: memoryview, path: str, kind: str, offset: int, size: int) -> None:
-        self.area, self.path, self.kind, self.offset, self.size = area, path, kind, offset, size
+    path: str
+    area: memoryview
+    depth: int = 0
+    extents: tuple[int, ...] = ()
+    variable: ExternalVariable | None = None
+    below: dict[str, _Shape] = field(default_factory=dict)
 
-    def read(self) -> Value:
-        value = read_external(self.area, self.offset, self.kind, self.size)
-        return bool(value) if self.kind == "BOOLEAN" else value
+    def child(self, name: str) -> _Shape:
+        found = self.below.get(name)
+        if found is None:
+            near = difflib.get_close_matches(name, self.below, n=3) or list(self.below)
+            path = f"{self.path}.{name}" if self.path else name
+            raise PlcError(catalogue.PLC_EXTERNAL_NAME, path=path, known=", ".join(near) or "none")
+        return found
 
-    def write(self, value: object) -> None:
-        good = isinstance(value, str) if self.kind == TEXT else isinstance(value, bool | int | float)
-        if not good or (isinstance(value, float) and math.isnan(value)):
-            raise PlcError(catalogue.PLC_EXTERNAL_VALUE, path=self.path, kind=self.kind, value=value)
+    def get(self, indices: tuple[int, ...]) -> External:
+        """What stands here at these indices, those of the levels above included."""
+        if len(indices) < self.depth + len(self.extents):
+            return ExternalArray(self, indices)
+        variable = self.variable
+        if variable is None:
+            return ExternalStructure(self, indices)
+        value = read_external(self.area, _offset(variable, indices), variable.kind, variable.size)
+        return bool(value) if variable.kind == "BOOLEAN" else value
+
+    def set(self, indices: tuple[int, ...], value: object) -> None:
+        """Give the variable here its value."""
+        variable = self.variable
+        whole = len(indices) < self.depth + len(self.extents)
+        kind = "array" if whole else "structure" if variable is None else variable.kind
+        good = isinstance(value, str) if kind == TEXT else isinstance(value, bool | int | float)
+        if whole or variable is None or not good or (isinstance(value, float) and math.isnan(value)):
+            raise PlcError(catalogue.PLC_EXTERNAL_VALUE, path=_spelt(self.path, indices), kind=kind, value=value)
         assert isinstance(value, bool | int | float | str)
-        write_external(self.area, self.offset, self.kind, self.size, value)
+        write_external(self.area, _offset(variable, indices), variable.kind, variable.size, value)
+
+
+def _offset(variable: ExternalVariable, indices: tuple[int, ...]) -> int:
+    return variable.offset + sum(map(int.__mul__, indices, variable.strides))
+
+
+def _spelt(path: str, indices: tuple[int, ...]) -> str:
+    """The path with indices in the place of their marks; those that are not given yet vanish."""
+    for index in indices:
+        path = path.replace("[]", f"[{index}]", 1)
+    return path.replace("[]", "")
 
 
 class ExternalStructure:
     """Elements by name; an unknown name, or a value that does not fit, raises PlcError."""
 
-    __slots__ = ("_elements", "_path")
+    __slots__ = ("_indices", "_shape")
 
-    _elements: Mapping[str, _Element]
-    _path: str
+    _shape: _Shape
+    _indices: tuple[int, ...]
 
-    def __init__(self, path: str, elements: Mapping[str, _Element]) -> None:
-        object.__setattr__(self, "_path", path)
-        object.__setattr__(self, "_elements", elements)
+    def __init__(self, shape: _Shape, indices: tuple[int, ...]) -> None:
+        object.__setattr__(self, "_shape", shape)
+        object.__setattr__(self, "_indices", indices)
 
-    def __getattr__(self, name: str) -> External:
+    def __getattr__(self, name: str) -> Any:  # which type it is, only the machine description knows
         if name.startswith("__"):
             raise AttributeError(name)
-        return _get(self._element(name))
+        return self._shape.child(name).get(self._indices)
 
     def __setattr__(self, name: str, value: object) -> None:
-        _set(self._element(name), value)
+        self._shape.child(name).set(self._indices, value)
 
     def __dir__(self) -> Iterable[str]:
-        return list(self._elements)
-
-    def _element(self, name: str) -> _Element:
-        element = self._elements.get(name)
-        if element is None:
-            near = difflib.get_close_matches(name, self._elements, n=3) or list(self._elements)
-            path = f"{self._path}.{name}" if self._path else name
-            raise PlcError(catalogue.PLC_EXTERNAL_NAME, path=path, known=", ".join(near) or "none")
-        return element
+        return list(self._shape.below)
 
 
 class ExternalArray:
     """Elements by index from 0; an index outside raises PlcError."""
 
-    __slots__ = ("_elements", "_path")
+    __slots__ = ("_extent", "_indices", "_shape")
 
-    def __init__(self, path: str, elements: Mapping[int, _Element]) -> None:
-        self._path, self._elements = path, elements
+    def __init__(self, shape: _Shape, indices: tuple[int, ...]) -> None:
+        self._shape, self._indices = shape, indices
+        self._extent = shape.extents[len(indices) - shape.depth]
 
     def __len__(self) -> int:
-        return max(self._elements, default=-1) + 1
+        return self._extent
 
-    def __getitem__(self, index: int) -> External:
-        return _get(self._element(index))
+    def __getitem__(self, index: int) -> Any:
+        return self._shape.get(self._with(index))
 
     def __setitem__(self, index: int, value: object) -> None:
-        _set(self._element(index), value)
+        self._shape.set(self._with(index), value)
 
-    def __iter__(self) -> Iterator[External]:
-        return (_get(self._elements[index]) for index in sorted(self._elements))
+    def __iter__(self) -> Iterator[Any]:
+        return (self[index] for index in range(self._extent))
 
-    def _element(self, index: int) -> _Element:
-        element = self._elements.get(index)
-        if element is None:
-            raise PlcError(catalogue.PLC_EXTERNAL_INDEX, path=self._path, index=index, last=len(self) - 1)
-        return element
+    def _with(self, index: int) -> tuple[int, ...]:
+        if not 0 <= index < self._extent:
+            path = _spelt(self._shape.path, self._indices)
+            raise PlcError(catalogue.PLC_EXTERNAL_INDEX, path=path, index=index, last=self._extent - 1)
+        return (*self._indices, index)
 
 
-_Element: TypeAlias = _Place | ExternalStructure | ExternalArray
 External: TypeAlias = Value | ExternalStructure | ExternalArray
-
-
-def _get(element: _Element) -> External:
-    return element.read() if isinstance(element, _Place) else element
-
-
-def _set(element: _Element, value: object) -> None:
-    if not isinstance(element, _Place):
-        kind = "structure" if isinstance(element, ExternalStructure) else "array"
-        raise PlcError(catalogue.PLC_EXTERNAL_VALUE, path=element._path, kind=kind, value=value)
-    element.write(value)
-
-
-_Tree = dict[str | int, "_Tree | _Place"]
 
 
 def external_of(hli: Hli) -> ExternalStructure:
     """All external variables of the directory in the HLI."""
-    root: _Tree = {}
     area = external_area(hli)
+    root = _Shape("", area)
     for variable in external_variables(hli):
-        _plant(root, area, variable)
-    return _structure("", root)
-
-
-def _plant(root: _Tree, area: memoryview, variable: ExternalVariable) -> None:
-    """Put every value of a variable to its place in the tree of names and indices."""
-    way: list[str | int] = []
-    for part in variable.path.split("."):
-        way += [part.partition("[")[0], *(int(index) for index in _INDEX.findall(part))]
-    for count in range(math.prod(variable.dims)):
-        indices: list[int] = []
-        rest = count
-        for dimension in reversed(variable.dims):
-            rest, index = divmod(rest, dimension)
-            indices.insert(0, index)
-        path = variable.path + "".join(f"[{index}]" for index in indices)
-        place = _Place(area, path, variable.kind, variable.offset + count * variable.size, variable.size)
         here = root
-        steps = [*way, *indices]
-        for step in steps[:-1]:
-            below = here.setdefault(step, {})
-            if isinstance(below, _Place):
-                break  # a name that is a variable and a structure: the first one stays
-            here = below
-        else:
-            here.setdefault(steps[-1], place)
-
-
-def _structure(path: str, tree: _Tree) -> ExternalStructure:
-    elements = {str(name): _grown(f"{path}.{name}" if path else str(name), below) for name, below in tree.items()}
-    return ExternalStructure(path, elements)
-
-
-def _grown(path: str, tree: _Tree | _Place) -> _Element:
-    if isinstance(tree, _Place):
-        return tree
-    if all(isinstance(key, int) for key in tree):
-        return ExternalArray(path, {int(i): _grown(f"{path}[{i}]", below) for i, below in tree.items()})
-    return _structure(path, tree)
+        parts = variable.path.split(".")
+        for level, part in enumerate(parts, 1):
+            depth, own = here.depth + len(here.extents), part.count("[]")
+            path = ".".join(parts[:level])
+            shape = _Shape(path, area, depth, variable.dims[depth : depth + own])
+            here = here.below.setdefault(part.removesuffix("[]" * own), shape)
+        here.variable = variable
+    return ExternalStructure(root, ())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import pytest
 from hypothesis import given, settings
@@ -15,6 +16,7 @@ from runtime.hli.external import (
     TEXT,
     ExternalVariable,
     describe_external,
+    directory_of,
     external_area,
     external_variables,
     read_external,
@@ -26,7 +28,10 @@ from runtime.hli.memory import HliMemory
 
 
 def variable(path: str, kind: str, offset: int, *dims: int, size: int = 0) -> ExternalVariable:
-    return ExternalVariable(path, kind, offset, size or size_of(kind), dims, "READ_WRITE", offset % 2 == 1)
+    """A packed array: the last index runs fastest."""
+    size = size or size_of(kind)
+    strides = tuple(size * math.prod(dims[i + 1 :]) for i in range(len(dims)))
+    return ExternalVariable(path, kind, offset, size, dims, strides, "read_write", offset % 2 == 1)
 
 
 @pytest.mark.spec("hli.area.external-variables")
@@ -45,8 +50,8 @@ def test_the_directory_comes_out_as_it_went_in() -> None:
     entries = [
         variable("COUNT", "SGN32", 0),
         variable("TOOL.NAME", TEXT, 25, size=20),
-        variable("GRID", "BOOLEAN", 48, 3, 4),
-        variable("PALLET[2].PLACES", "REAL64", 72, 2, 3, 4),
+        variable("GRID[][]", "BOOLEAN", 48, 3, 4),
+        variable("PALLET[].PLACES[][]", "REAL64", 72, 2, 3, 4),
     ]
     hli = Hli()
     describe_external(hli, entries)
@@ -58,9 +63,11 @@ def test_the_directory_comes_out_as_it_went_in() -> None:
     [
         variable("TOO_LONG" * 20, "UNS08", 0),
         variable("BEYOND", "REAL64", EXTERNAL_BYTES - 7),
-        variable("ARRAY_BEYOND", "UNS08", EXTERNAL_BYTES - 10, 11),
+        variable("ARRAY_BEYOND[]", "UNS08", EXTERNAL_BYTES - 10, 11),
         variable("BEFORE", "UNS08", -1),
-        variable("MANY", "UNS08", 0, 2, 2, 2, 2),
+        variable("MANY" + 7 * "[]", "UNS08", 0, 2, 2, 2, 2, 2, 2, 2),
+        variable("NO_MARK", "UNS08", 0, 2),
+        variable("EMPTY[]", "UNS08", 0, 0),
         variable("NO_TYPE", "LREAL", 0, size=8),
         variable("WRONG_SIZE", "SGN32", 0, size=2),
     ],
@@ -71,6 +78,47 @@ def test_what_does_not_fit_is_an_error(entry: ExternalVariable) -> None:
         describe_external(Hli(), [entry])
     assert caught.value.problem.entry is catalogue.EXTERNAL_NOT_LAID_OUT
     assert entry.path in caught.value.problem.text
+
+
+def test_the_prefix_of_a_program_may_stand_in_front() -> None:
+    hli = Hli()
+    describe_external(hli, [variable("V.E.COUNT", "SGN32", 0)])
+    assert external_variables(hli)[0].path == "COUNT"
+
+
+@dataclass(frozen=True)
+class Element:
+    """As a layout without marks of indices describes it."""
+
+    type: str
+    offset: int
+    size: int
+    dims: tuple[int, ...] = ()
+    strides: tuple[int, ...] = ()
+    access: str = "read"
+    synchronous: bool = False
+    elementary: bool = True
+
+
+def test_the_directory_of_a_layout_marks_the_indices_of_every_level() -> None:
+    elements = {
+        "COUNT": Element("SGN32", 0, 4),
+        "RACK": Element("Rack", 8, 48, (2,), (48,), elementary=False),
+        "RACK.NAME": Element("STRING", 8, 8, (2,), (48,)),
+        "RACK.PLACE": Element("Place", 16, 4, (2, 2, 5), (48, 20, 4), elementary=False),
+        "RACK.PLACE.FULL": Element("BOOLEAN", 16, 1, (2, 2, 5), (48, 20, 4)),
+        "RACK.PLACE.TOOLS": Element("UNS08", 17, 1, (2, 2, 5, 3), (48, 20, 4, 1), synchronous=True),
+    }
+    directory = directory_of(elements)
+    assert [(v.path, v.offset, v.dims, v.strides, v.synchronous) for v in directory] == [
+        ("COUNT", 0, (), (), False),
+        ("RACK[].NAME", 8, (2,), (48,), False),
+        ("RACK[].PLACE[][].FULL", 16, (2, 2, 5), (48, 20, 4), False),
+        ("RACK[].PLACE[][].TOOLS[]", 17, (2, 2, 5, 3), (48, 20, 4, 1), True),
+    ]
+    hli = Hli()
+    describe_external(hli, directory)
+    assert external_variables(hli) == directory
 
 
 def test_more_names_than_there_is_room_for_are_an_error() -> None:
@@ -99,7 +147,7 @@ def test_more_names_than_there_is_room_for_are_an_error() -> None:
         ("REAL32", 1e300, 3.4028234663852886e38),
         ("REAL64", -0.1, -0.1),
         (TEXT, "grün", "grün"),
-        (TEXT, "ü" * 30, "ü" * 9),
+        (TEXT, "ü" * 30, "ü" * 19),
     ],
 )
 def test_values_are_rounded_and_limited_to_their_type(kind: str, written: float | str, read: float | str) -> None:

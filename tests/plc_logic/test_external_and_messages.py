@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from runtime.diagnostics.catalogue import plc as catalogue
@@ -11,7 +13,9 @@ from runtime.plc_logic.bench import Bench
 
 
 def variable(path: str, kind: str, offset: int, *dims: int, size: int = 0) -> ExternalVariable:
-    return ExternalVariable(path, kind, offset, size or size_of(kind), dims, "READ_WRITE", False)
+    size = size or size_of(kind)
+    strides = tuple(size * math.prod(dims[i + 1 :]) for i in range(len(dims)))
+    return ExternalVariable(path, kind, offset, size, dims, strides, "read_write", False)
 
 
 VARIABLES = [
@@ -19,11 +23,11 @@ VARIABLES = [
     variable("LENGTH", "REAL64", 24),
     variable("READY", "BOOLEAN", 48),
     variable("NAME", "STRING", 72, size=12),
-    variable("GRID", "SGN16", 96, 3, 4),
+    variable("GRID[][]", "SGN16", 96, 3, 4),
     variable("TOOL.RADIUS", "REAL64", 120),
-    variable("TOOL.EDGE.WEAR", "UNS08", 128, 2),
-    *(variable(f"PALLET[{k}].LOADED", "BOOLEAN", 144 + 2 * k) for k in range(3)),
-    *(variable(f"PALLET[{k}].PART", "UNS08", 145 + 2 * k) for k in range(3)),
+    variable("TOOL.EDGE.WEAR[]", "UNS08", 128, 2),
+    ExternalVariable("PALLET[].LOADED", "BOOLEAN", 144, 1, (3,), (4,), "read", False),
+    ExternalVariable("PALLET[].PARTS[]", "UNS08", 145, 1, (3, 2), (4, 1), "read", False),
 ]
 
 
@@ -36,7 +40,7 @@ class Shares(Program):
     def cycle(self) -> None:
         e = self.external
         self.seen = [e.COUNT, e.LENGTH, e.READY, e.NAME, e.GRID[2][3], e.TOOL.RADIUS, e.TOOL.EDGE.WEAR[1]]
-        self.seen += [pallet.PART for pallet in e.PALLET]
+        self.seen += [pallet.PARTS[1] for pallet in e.PALLET]
         e.COUNT += 1
         e.LENGTH = 12.5
         e.READY = not e.READY
@@ -53,7 +57,7 @@ def test_variables_arrays_and_structures_are_reached_by_name() -> None:
     for offset, kind, value in ((0, "SGN32", -5), (24, "REAL64", 0.1), (96 + 2 * 11, "SGN16", 9), (120, "REAL64", 4.0)):
         assert write_external(area, offset, kind, 8, value)
     area[129] = 17
-    area[145], area[147], area[149] = 1, 2, 3
+    area[146], area[150], area[154] = 1, 2, 3
     bench.cycle()
     assert bench.program.seen == [-5, 0.1, False, "", 9, 4.0, 17, 1, 2, 3]
     assert read_external(area, 0, "SGN32", 4) == -4
@@ -62,7 +66,7 @@ def test_variables_arrays_and_structures_are_reached_by_name() -> None:
     assert read_external(area, 72, "STRING", 12) == "grün"
     assert read_external(area, 96 + 2 * (1 * 4 + 2), "SGN16", 2) == -7
     assert area[128] == 255
-    assert (area[144], area[146], area[148]) == (0, 1, 0)
+    assert (area[144], area[148], area[152]) == (0, 1, 0)
     bench.cycle()
     assert bench.program.seen[:4] == [-4, 12.5, True, "grün"]
 
@@ -78,8 +82,17 @@ MISTAKES = {
     "inner index": ("self.external.GRID[2][-1] = 0", catalogue.PLC_EXTERNAL_INDEX, "V.E.GRID[2] has no element -1"),
     "text": ("self.external.COUNT = 'x'", catalogue.PLC_EXTERNAL_VALUE, "V.E.COUNT of type SGN32 cannot be 'x'"),
     "number": ("self.external.NAME = 1", catalogue.PLC_EXTERNAL_VALUE, "V.E.NAME of type STRING cannot be 1"),
-    "nan": ("self.external.PALLET[0].PART = float('nan')", catalogue.PLC_EXTERNAL_VALUE, "V.E.PALLET[0].PART of type"),
+    "nan": (
+        "self.external.PALLET[0].PARTS[1] = float('nan')",
+        catalogue.PLC_EXTERNAL_VALUE,
+        "V.E.PALLET[0].PARTS[1] of",
+    ),
     "whole": ("self.external.TOOL = 1", catalogue.PLC_EXTERNAL_VALUE, "V.E.TOOL of type structure cannot be 1"),
+    "whole array": (
+        "self.external.PALLET[2].PARTS = 1",
+        catalogue.PLC_EXTERNAL_VALUE,
+        "V.E.PALLET[2].PARTS of type array",
+    ),
     "array": ("self.external.PALLET[0] = 1", catalogue.PLC_EXTERNAL_VALUE, "V.E.PALLET[0] of type structure cannot"),
 }
 
