@@ -111,7 +111,8 @@ class _Waiting:
 class Channel:
     """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises.
 
-    `window` (n_axes,): how near a path axis is to its set-point when it stands, mm or degrees.
+    `axes` (n_axes,): indices of the path axes among all axes; `window` (n_axes,): how near each of them is to its set-point
+    when it stands, mm or degrees.
     """
 
     def __init__(
@@ -125,8 +126,10 @@ class Channel:
         spindle_ports: list[TechnologyPort],
         events: EventRing,
         period: float,
+        axes: npt.NDArray[np.int64],
         window: Floats,
     ) -> None:
+        self._axes = axes
         self._window = window
         self.queue = queue
         self.interpolator = interpolator
@@ -158,7 +161,7 @@ class Channel:
         self._gate_record: QueueRecord | None = None
         self._user_error_told = False
         self._settling = 0.0  # s at the present #FLUSH WAIT
-        self._actual = np.zeros(len(interpolator.position))
+        self._actual = np.zeros(0)
         self._time = 0.0
         self._cycle = 0
 
@@ -258,8 +261,8 @@ class Channel:
     def step(
         self, inputs: ChannelInputs, axes_ready: bool, speeds: Floats, actual: Floats, time: float, cycle: int
     ) -> None:
-        """One cycle. `axes_ready`: all path axes may move; `speeds`: actual spindle speeds, degrees/s; `actual`: positions
-        of the path axes, (n_axes,)."""
+        """One cycle. `axes_ready`: all path axes may move; `speeds`: actual spindle speeds, degrees/s, `actual`:
+        positions, mm or degrees, both of all axes of the machine."""
         self._time, self._cycle, self._actual = time, cycle, actual
         pressed = inputs.continue_motion and not self._continue_was
         self._continue_was = inputs.continue_motion
@@ -428,14 +431,14 @@ class Channel:
         if not self.actions.all_taken:
             return _MESSAGE
         self._settling = 0.0
-        self.link.reach(path.position, self._actual)
+        self.link.reach(path.position, self._actual[self._axes])
         path.open_gate()
         return _NONE
 
     def _settles(self) -> bool:
         """The axes are still on their way to where the path stands."""
         self._settling += self.period
-        lag = np.abs(self.interpolator.position - self._actual)
+        lag = np.abs(self.interpolator.position - self._actual[self._axes])
         return self._settling < _SETTLED_AT_LAST and bool((lag > self._window).any())
 
     def _user_error(self, gate: QueueRecord) -> int:

@@ -93,6 +93,7 @@ class Controller:
             [TechnologyPort(hli.axes[i]) for i in indices],
             events,
             period,
+            self._path_axes,
             np.array([axis.in_position for axis in path_axes]),
         )
         self.supervision = AxisSupervision(machine, drives.image)
@@ -134,9 +135,13 @@ class Controller:
         """Path and spindles: one set-point for every axis."""
         image = self.drives.image
         enabled = self._enabled
-        actual = image.actual_position[self._path_axes]
         self.channel.step(
-            self.orders.inputs, self._path_enabled, image.actual_velocity, actual, self.time, self.cycle_number
+            self.orders.inputs,
+            self._path_enabled,
+            image.actual_velocity,
+            image.actual_position,
+            self.time,
+            self.cycle_number,
         )
         if self.channel.active:
             if self._path_enabled and not self._astray:
