@@ -13,15 +13,26 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn
 
-from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program, located
+from runtime.cnc.decoder import (
+    DIALECTS,
+    Decoder,
+    DecoderSetup,
+    Program,
+    ProgramError,
+    expect_dialect,
+    load_program,
+    located,
+    look_through,
+)
 from runtime.cnc.path_preparation import SoftwareLimits
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.loader import load_machine
-from runtime.diagnostics.errors import Problem, TandemError
+from runtime.diagnostics.errors import Problem, Severity, TandemError
 
 # A loop that runs so long without any output does not end by itself in a check, where no PLC changes anything.
 IDLE_LIMIT = 1_000_000
 EXECUTED_LIMIT = 5_000_000  # blocks; a longer run is not followed to its end
+MOST_PROBLEMS = 20  # told per program
 _LARGE_FILE = 4_000_000  # bytes from which progress is shown
 
 
@@ -52,24 +63,38 @@ def command(
 def check(
     file: Path, setup: DecoderSetup, limits: SoftwareLimits, dialect: str = "isg"
 ) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
-    """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it."""
+    """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it.
+
+    First all of its text is looked through, then it is executed without a machine.
+    """
+    warnings: list[Problem] = []
     decoder: Decoder | None = None
+    program: Program | None = None
     try:
+        expect_dialect(dialect, str(file))
+        program = load_program(file, setup, dialect)
+        errors: list[Problem] = []
         with _progress(file) as progress:
-            program = load_program(file, setup, dialect, progress)
-        try:
-            decoder = Decoder(program, setup, start=limits.nearest(np.zeros(len(setup.axes))), idle_limit=IDLE_LIMIT)
-            for _ in limits(decoder.blocks()):
-                if decoder.executed > EXECUTED_LIMIT:
-                    typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
+            for problem in look_through(file, setup, progress):
+                (errors if problem.entry.severity >= Severity.ERROR else warnings).append(problem)
+                if len(errors) + len(warnings) >= MOST_PROBLEMS:
                     break
-        except SoftwareLimitError as error:
-            return (located(program, error.problem),), tuple(decoder.warnings) if decoder else ()
-        finally:
-            program.close()
+        if errors:
+            return tuple(errors), tuple(warnings)
+        decoder = Decoder(program, setup, start=limits.nearest(np.zeros(len(setup.axes))), idle_limit=IDLE_LIMIT)
+        for _ in limits(decoder.blocks()):
+            if decoder.executed > EXECUTED_LIMIT:
+                typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
+                break
+    except SoftwareLimitError as error:
+        assert program is not None
+        return (located(program, error.problem),), (*warnings, *(decoder.warnings if decoder else ()))
     except ProgramError as error:
-        return error.problems, tuple(decoder.warnings) if decoder else ()
-    return (), tuple(decoder.warnings)
+        return error.problems, (*warnings, *(decoder.warnings if decoder else ()))
+    finally:
+        if program is not None:
+            program.close()
+    return (), (*warnings, *decoder.warnings)
 
 
 @contextmanager

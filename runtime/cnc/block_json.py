@@ -92,7 +92,8 @@ def _action(block: Block) -> Iterator[Row]:
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
     points = block.points.tolist()
-    programmed = (block.points - block.pcs_shift).tolist()
+    gain = 1.0 if block.pcs_gain is None else block.pcs_gain
+    programmed = ((block.points - block.pcs_shift) / gain).tolist()
     columns = zip(block.feeds.tolist(), block.lines.tolist(), block.numbers.tolist(), strict=True)
     for i, (feed, line, number) in enumerate(columns):
         yield {

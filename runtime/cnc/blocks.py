@@ -132,8 +132,10 @@ class Polyline:
     """A run of straight moves, in arrays: CAM output never becomes a million objects.
 
     `points` (k + 1, n_axes) starts with the position before the first move. `feeds` (k,) in mm/min, inf for rapid.
-    `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. `pcs_shift` (n_axes,): machine minus
-    programmed coordinates, equal over the run.
+    `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. Programmed coordinates are
+    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes. `plane`: the
+    active plane, None where it is that of the motion before. `one_block`: the run is a curve of one NC block, in which
+    single block does not stop.
     """
 
     program: str
@@ -142,6 +144,9 @@ class Polyline:
     lines: npt.NDArray[np.int64]
     numbers: npt.NDArray[np.int64]
     pcs_shift: Floats
+    pcs_gain: Floats | None = None
+    plane: tuple[int, int] | None = None
+    one_block: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
+import runtime.cnc.decoder.isg.functions  # noqa: F401 - registers the dialect
 from runtime.cnc.decoder.decoder import Decoder
 from runtime.cnc.decoder.locate import located
+from runtime.cnc.decoder.memory import ChannelMemory
+from runtime.cnc.decoder.outside import Offline, Outside
+from runtime.cnc.decoder.program import Program, look_through, open_program
 from runtime.cnc.decoder.setup import DecoderSetup, DecoderSetupError, SpindleSetup, parse_synch
 from runtime.cnc.language.errors import ProgramError, ProgramErrors
-from runtime.cnc.language.isg.loader import load
-from runtime.cnc.language.isg.program import Program
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place
 
@@ -18,9 +19,12 @@ DIALECTS = ("isg",)
 
 __all__ = [
     "DIALECTS",
+    "ChannelMemory",
     "Decoder",
     "DecoderSetup",
     "DecoderSetupError",
+    "Offline",
+    "Outside",
     "Program",
     "ProgramError",
     "ProgramErrors",
@@ -28,23 +32,18 @@ __all__ = [
     "expect_dialect",
     "load_program",
     "located",
+    "look_through",
     "parse_synch",
 ]
 
 
-def load_program(
-    path: Path,
-    channel_setup: DecoderSetup,
-    dialect: str = "isg",
-    progress: Callable[[int, int], None] | None = None,
-) -> Program:
-    """Read a program and everything it calls, and check all of it before anything is executed.
+def load_program(path: Path, channel_setup: DecoderSetup, dialect: str = "isg") -> Program:
+    """Open a program. A short one is looked through first; a long one is read while it is executed.
 
-    `progress(bytes done, bytes in all)` is told now and then. Raises ProgramError (a file) or ProgramErrors (up to 20
-    problems of its blocks).
+    Raises ProgramError (a file) or ProgramErrors (up to 20 problems of its blocks).
     """
     expect_dialect(dialect, str(path))
-    return load(path, channel_setup.addresses, channel_setup.program_paths, progress)
+    return open_program(path, channel_setup)
 
 
 def expect_dialect(dialect: str, file: str = "") -> None:

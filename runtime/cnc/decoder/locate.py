@@ -6,8 +6,8 @@ import re
 from contextlib import suppress
 from dataclasses import replace
 
+from runtime.cnc.decoder.program import Program
 from runtime.cnc.language.errors import ProgramError
-from runtime.cnc.language.isg.program import Program
 from runtime.cnc.language.text import ProgramText
 from runtime.diagnostics.errors import Place, Problem
 

@@ -1,4 +1,4 @@
-"""The motion of a block: axis words, circle words and dwell → Line, Arc, Dwell."""
+"""The motion of a block: axis words, circle words and dwell → blocks."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from runtime.cnc.blocks import Arc, Dwell, Floats, Line, Source
+from runtime.cnc.blocks import Arc, Corner, Dwell, Line
 from runtime.cnc.decoder import circles
-from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.feed import feed_of, require_feed
+from runtime.cnc.decoder.modal import Motion, Plane
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
-from runtime.cnc.language.isg.modal import ModalState, Motion, Plane
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
@@ -26,114 +27,184 @@ PLANES = {
 }
 
 
-class MotionWords:
-    """Turns the words of blocks into motion; `position` (n_axes,) in machine coordinates moves along.
+def dwell(x: Execution, block: CompiledBlock, values: Values) -> None:
+    """G04: seconds, or revolutions of the main spindle."""
+    value = values[block.dwell]
+    if not 0 <= value < math.inf:
+        raise LineError(catalogue.DWELL_NEGATIVE, block.column(WordKind.DWELL), value=value)
+    if not block.dwell_revolutions:
+        x.emit(Dwell(x.source, value))
+        return
+    if x.modal.speed <= 0:
+        raise LineError(catalogue.DWELL_SPEED, block.column(WordKind.DWELL))
+    x.emit(Dwell(x.source, value / x.modal.speed * 60.0))
 
-    Both calls raise LineError, circles also CircleError.
-    """
 
-    def __init__(self, setup: DecoderSetup, start: Floats) -> None:
-        self.position = np.array(start, dtype=np.float64)
-        self._setup = setup
-        self._factors = (setup.inch_factors(False), setup.inch_factors(True))
-
-    def factor(self, modal: ModalState) -> Floats:
-        """What programmed coordinates are multiplied with, (n_axes,)."""
-        return self._factors[modal.inch]
-
-    def dwell(self, block: CompiledBlock, values: Values, source: Source, modal: ModalState) -> Dwell:
-        """G04: seconds, or revolutions of the main spindle."""
-        value = values[block.dwell]
-        if not 0 <= value < math.inf:
-            raise LineError(catalogue.DWELL_NEGATIVE, block.column(WordKind.DWELL), value=value)
-        if not block.dwell_revolutions:
-            return Dwell(source, value)
-        if modal.speed <= 0:
-            raise LineError(catalogue.DWELL_SPEED, block.column(WordKind.DWELL))
-        return Dwell(source, value / modal.speed * 60.0)
-
-    def move(self, block: CompiledBlock, values: Values, source: Source, modal: ModalState) -> Line | Arc:
-        """The motion of the axis words; the position moves along."""
-        shift = self._setup.zero_offset(modal.zero_offset)
-        factor = self.factor(modal)
-        start = self.position.copy()
-        end = start.copy()
-        for axis, slot in block.axes:
-            programmed = values[slot] * factor[axis]
-            end[axis] = end[axis] + programmed if modal.incremental else programmed + shift[axis]
-            if not (abs(end[axis]) <= POSITION_LIMIT and abs(programmed) <= POSITION_LIMIT):
-                target = programmed if abs(programmed) > POSITION_LIMIT else float(end[axis])
-                name = self._setup.axes[axis]
-                column = block.column(WordKind.AXIS, axis)
-                raise LineError(catalogue.POSITION_RANGE, column, value=target, axis=name, limit=POSITION_LIMIT)
-        feed = math.inf
-        if modal.motion is not Motion.RAPID:
-            if modal.feed is None:
-                column = block.column(WordKind.AXIS if block.axes else WordKind.INTERPOLATION)
-                raise LineError(catalogue.FEED_MISSING, column, motion=int(modal.motion))
-            if modal.feed <= 0:
-                raise LineError(catalogue.FEED_INVALID, block.column(WordKind.FEED), value=modal.feed)
-            feed = modal.feed
-        result: Line | Arc
-        if modal.motion in (Motion.CIRCLE_CW, Motion.CIRCLE_CCW):
-            result = self._arc(block, values, source, modal, start, end, feed, shift)
-        elif block.interpolation:
-            letter = "IJK"[block.interpolation[0][0]]
-            column = block.column(WordKind.INTERPOLATION)
-            raise LineError(catalogue.CENTRE_WITHOUT_CIRCLE, column, letter=letter, motion=int(modal.motion))
-        else:
-            result = Line(source, start, end, feed, modal.motion is Motion.RAPID, end - shift)
-        self.position[:] = end
-        return result
-
-    def _arc(
-        self,
-        block: CompiledBlock,
-        values: Values,
-        source: Source,
-        modal: ModalState,
-        start: Floats,
-        end: Floats,
-        feed: float,
-        shift: Floats,
-    ) -> Arc:
-        plane, letters, pitch_letter = PLANES[modal.plane]
-        if max(plane) >= len(start):
+def target(x: Execution, block: CompiledBlock) -> list[float]:
+    """Machine position that the axis words of the block lead to; LineError beyond the range of positions."""
+    words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
+    end = x.coordinates.target(words, x.incremental_words or x.modal.incremental)
+    for axis, programmed in words.items():
+        if not (abs(end[axis]) <= POSITION_LIMIT and abs(programmed) <= POSITION_LIMIT):
+            value = programmed if abs(programmed) > POSITION_LIMIT else end[axis]
+            column = block.column(WordKind.AXIS, axis)
             raise LineError(
-                catalogue.PLANE_UNAVAILABLE,
-                block.column(WordKind.AXIS),
-                plane=int(modal.plane),
-                needed=max(plane) + 1,
-                axes=len(start),
+                catalogue.POSITION_RANGE, column, value=value, axis=x.setup.axes[axis], limit=POSITION_LIMIT
             )
-        factor = INCH if modal.inch else 1.0
-        given = {"IJK"[index]: values[slot] * factor for index, slot in block.interpolation}
-        by_centre = any(letter in given for letter in letters)
-        first, second = plane
-        begin = (float(start[first]), float(start[second]))
-        target = (float(end[first]), float(end[second]))
-        clockwise = modal.motion is Motion.CIRCLE_CW
-        if by_centre:
-            if block.radius >= 0:
-                raise LineError(catalogue.CENTRE_AND_RADIUS, block.column(WordKind.RADIUS))
-            modal.radius = None  # a centre ends the radius (line 2374)
-            origin = (float(shift[first]), float(shift[second])) if modal.centre_absolute else begin
-            centre = (origin[0] + given.get(letters[0], 0.0), origin[1] + given.get(letters[1], 0.0))
-            bounds = (self._setup.centre_shift, self._setup.centre_shift_share)
-            circle = circles.by_centre(begin, target, centre, clockwise, *bounds)
-        elif modal.radius is not None:
-            circle = circles.by_radius(begin, target, modal.radius, clockwise)
-        else:
-            column = block.column(WordKind.AXIS)
-            letters_text = ", ".join(letters)
-            raise LineError(catalogue.CENTRE_MISSING, column, motion=int(modal.motion), letters=letters_text)
-        angle = circle.angle
-        if pitch_letter in given:
-            pitch = given[pitch_letter]
-            if not pitch > 0:
-                column = block.column(WordKind.INTERPOLATION, "IJK".index(pitch_letter))
-                raise LineError(catalogue.PITCH_INVALID, column, letter=pitch_letter, value=pitch)
-            third = 3 - first - second
-            height = float(end[third] - start[third]) if third < len(start) else 0.0
-            angle = circles.turns_with_pitch(angle, height, pitch)
-        return Arc(source, start, end, feed, end - shift, plane, np.array(circle.centre), circle.radius, angle)
+    return end
+
+
+def move(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
+    """The motion of the axis and circle words of the block; the position moves along."""
+    modal, coordinates = x.modal, x.coordinates
+    circle = modal.motion in (Motion.CIRCLE_CW, Motion.CIRCLE_CCW)
+    if x.letters and not circle:
+        letter = "IJK"[next(iter(x.letters))]
+        column = block.column(WordKind.INTERPOLATION)
+        raise LineError(catalogue.CENTRE_WITHOUT_CIRCLE, column, letter=letter, motion=int(modal.motion))
+    end = target(x, block)
+    if circle:
+        require_feed(x, block)
+        _arc(x, block, end, corner)
+    else:
+        straight(x, block, end, corner)
+    coordinates.moved(end)
+
+
+def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:
+    """A straight move to a machine position; the position is not moved along."""
+    start, rapid = x.coordinates.position, x.modal.motion is Motion.RAPID
+    feed = math.inf
+    if not rapid:
+        require_feed(x, block)
+        feed = feed_of(x, block, start, end, None)
+    programmed = programmed_at(x, end)
+    plane = PLANES[x.modal.plane][0]
+    x.emit(Line(x.source, np.array(start), np.array(end), feed, rapid, np.array(programmed), plane, corner, x.end_feed))
+
+
+def programmed_at(x: Execution, end: list[float]) -> list[float]:
+    """Programmed coordinates of a machine position under what is selected now, mapped onto the machine axes."""
+    c = x.coordinates
+    return [(p - s) / g for p, g, s in zip(end, c.gain, c.shift, strict=True)]
+
+
+def plane_of(x: Execution, block: CompiledBlock) -> tuple[tuple[int, int], str, str]:
+    """Axes and letters of the active plane; LineError if the channel has not so many axes."""
+    plane, letters, pitch_letter = PLANES[x.modal.plane]
+    if max(plane) >= len(x.setup.axes):
+        raise LineError(
+            catalogue.PLANE_UNAVAILABLE,
+            block.column(WordKind.AXIS),
+            plane=int(x.modal.plane),
+            needed=max(plane) + 1,
+            axes=len(x.setup.axes),
+        )
+    return plane, letters, pitch_letter
+
+
+def clockwise(x: Execution) -> bool:
+    """The sense of the circle on the machine: mirroring one axis of the plane turns it around."""
+    first, second = PLANES[x.modal.plane][0]
+    gain = x.coordinates.gain
+    turned = max(first, second) < len(gain) and gain[first] * gain[second] < 0
+    return (x.modal.motion is Motion.CIRCLE_CW) != turned
+
+
+def centre_point(x: Execution, plane: tuple[int, int], letters: str) -> circles.Point:
+    """The programmed centre in machine coordinates of the plane."""
+    c, modal = x.coordinates, x.modal
+    given = {"IJK"[index]: x.length(value) for index, value in x.letters.items()}
+    values = (given.get(letters[0], 0.0), given.get(letters[1], 0.0))
+    if c.rotation is not None and c.rotation.plane == plane:
+        scaled = (values[0] * _scale(x, plane[0]), values[1] * _scale(x, plane[1]))
+        turned = c.rotation.turned(*scaled)
+        mirrored = [turned[i] * c.mirror_plane[plane[i]] * c.mirror_axis[plane[i]] for i in (0, 1)]
+        shift = [
+            c.rotation.centre[i] * c.mirror_plane[plane[i]] * c.mirror_axis[plane[i]] + c.shift[plane[i]]
+            for i in (0, 1)
+        ]
+    else:
+        mirrored = [values[i] * c.gain[plane[i]] for i in (0, 1)]
+        shift = [c.shift[plane[i]] for i in (0, 1)]
+    origin = shift if modal.centre_absolute else [c.position[plane[0]], c.position[plane[1]]]
+    return (origin[0] + mirrored[0], origin[1] + mirrored[1])
+
+
+def _scale(x: Execution, axis: int) -> float:
+    return x.coordinates.scale[axis] if x.coordinates.scale_active else 1.0
+
+
+def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:
+    modal, start = x.modal, x.coordinates.position
+    plane, letters, pitch_letter = plane_of(x, block)
+    given = {"IJK"[index]: x.length(value) for index, value in x.letters.items()}
+    by_centre = any(letter in given for letter in letters)
+    begin = (start[plane[0]], start[plane[1]])
+    goal = (end[plane[0]], end[plane[1]])
+    sense = clockwise(x)
+    if by_centre:
+        if block.radius >= 0:
+            raise LineError(catalogue.CENTRE_AND_RADIUS, block.column(WordKind.RADIUS))
+        modal.radius = None  # a centre ends the radius (line 2374)
+        centre = centre_point(x, plane, letters)
+        bounds = (x.setup.centre_shift, x.setup.centre_shift_share) if modal.centre_correction else (0.0, 0.0)
+        circle = circles.by_centre(begin, goal, centre, sense, *bounds)
+        note_circle(x, plane, circle, centre)
+    elif modal.radius is not None:
+        scale = _scale(x, plane[0])  # by the factor of the first axis (line 17367)
+        circle = circles.by_radius(begin, goal, modal.radius * scale, sense)
+        note_circle(x, plane, circle, circle.centre)
+    else:
+        column = block.column(WordKind.AXIS)
+        letters_text = ", ".join(letters)
+        raise LineError(catalogue.CENTRE_MISSING, column, motion=int(modal.motion), letters=letters_text)
+    angle = circle.angle
+    if pitch_letter in given:
+        pitch = given[pitch_letter]
+        if not pitch > 0:
+            column = block.column(WordKind.INTERPOLATION, "IJK".index(pitch_letter))
+            raise LineError(catalogue.PITCH_INVALID, column, letter=pitch_letter, value=pitch)
+        third = 3 - plane[0] - plane[1]
+        height = end[third] - start[third] if third < len(start) else 0.0
+        angle = circles.turns_with_pitch(angle, height, pitch)
+    emit_arc(x, block, end, plane, circles.Circle(circle.centre, circle.radius, angle), corner)
+
+
+def emit_arc(
+    x: Execution,
+    block: CompiledBlock,
+    end: list[float],
+    plane: tuple[int, int],
+    circle: circles.Circle,
+    corner: Corner | None,
+) -> None:
+    """An arc to a machine position; the position is not moved along."""
+    start = x.coordinates.position
+    feed = feed_of(x, block, start, end, (plane, circle))
+    programmed = programmed_at(x, end)
+    x.emit(
+        Arc(
+            x.source,
+            np.array(start),
+            np.array(end),
+            feed,
+            np.array(programmed),
+            plane,
+            np.array(circle.centre),
+            circle.radius,
+            circle.angle,
+            corner,
+            x.end_feed,
+        )
+    )
+
+
+def note_circle(x: Execution, plane: tuple[int, int], circle: circles.Circle, programmed: circles.Point) -> None:
+    """What V.G.I, J, K, V.G.R and V.G.MERR tell: the centre relative to the start, and how far it was moved."""
+    start = x.coordinates.position
+    centre = [0.0, 0.0, 0.0]
+    for place, axis in enumerate(plane):
+        centre[axis] = circle.centre[place] - start[axis]
+    moved = [circle.centre[0] - programmed[0], circle.centre[1] - programmed[1]]
+    x.circle = (centre, moved, circle.radius)

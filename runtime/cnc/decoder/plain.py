@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Polyline
-from runtime.cnc.language.errors import ProgramError
-from runtime.cnc.language.isg.modal import ModalState, Motion
-from runtime.cnc.language.isg.program import Unit
-from runtime.cnc.language.isg.scan import NO_MOTION, Ints, PlainRows, PlainScanner
-from runtime.cnc.language.text import WINDOW
-from runtime.diagnostics.catalogue import language as catalogue
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.modal import Motion
+from runtime.cnc.language.isg.index import Unit
+from runtime.cnc.language.isg.scan import NO_MOTION, Ints, PlainRows
 from runtime.kernels import kernel, warms
 
 CHUNK = 4096  # moves per polyline
@@ -102,106 +100,90 @@ class PlainRuns:
     def __init__(self, axes: tuple[str, ...], limit: float) -> None:
         self._axes = axes
         self._limit = limit
-        self._scanners: dict[int, PlainScanner] = {}
         self._kept: dict[tuple[int, int], tuple[PlainRows, int]] = {}
 
-    def run(
-        self, unit: Unit, entry: int, modal: ModalState, position: Floats, factor: Floats, offset: Floats
-    ) -> Iterator[Polyline | NeedsFull]:
-        """The polylines of a run; `modal` and `position` follow. Whoever gets a NeedsFull executes it before going on.
-
-        `factor` (n,) multiplies programmed coordinates, `offset` (n,) is added to absolute ones.
-        """
-        line = unit.lines[entry]
-        for rows, count, base in self._rows(unit, entry):
-            yield from self._trace(unit, rows, count, base, line, modal, position, factor, offset)
-            line += count
-
-    def _rows(self, unit: Unit, entry: int) -> Iterator[tuple[PlainRows, int, int]]:
-        """Scanned rows of the run, how many, and the file offset that their starts count from."""
-        key = (id(unit), entry)
-        left, offset = unit.counts[entry], unit.offsets[entry]
-        if key in self._kept:
-            rows, base = self._kept[key]
-            yield rows, left, base
-            return
-        scanner = self._scanners.setdefault(id(unit), PlainScanner(unit.addresses, CHUNK))
-        keep = left <= _KEPT_LINES
-        behind = unit.offsets[entry + 1] if entry + 1 < len(unit.offsets) else unit.text.size
-        window, base, position = unit.text.window(offset, min(behind - offset, WINDOW)), offset, 0
-        while left > 0:
-            final = base + window.size >= unit.text.size
-            count, end, stopped = scanner.scan(window, position, final)
-            count = min(count, left)
-            if count == 0 and (stopped or final):  # these lines were plain when the program was checked
-                raise ProgramError(catalogue.FILE_CHANGED, unit.place(0), file=unit.text.name)
-            if count == 0:
-                window, base, position = unit.text.window(base + position, WINDOW), base + position, 0
-                continue
-            rows = scanner.rows
-            if keep and count == left and left == unit.counts[entry]:
-                rows = scanner.rows.head(count)
-                if len(self._kept) >= _KEPT_RUNS:
-                    self._kept.clear()
-                self._kept[key] = (rows, base)
-            left -= count
-            position = end
-            yield rows, count, base
-
-    def _trace(
-        self,
-        unit: Unit,
-        rows: PlainRows,
-        count: int,
-        base: int,
-        line: int,
-        modal: ModalState,
-        position: Floats,
-        factor: Floats,
-        offset: Floats,
-    ) -> Iterator[Polyline | NeedsFull]:
-        first = 0
+    def run(self, unit: Unit, entry: int, x: Execution, first: int = 0) -> Iterator[Polyline | NeedsFull]:
+        """The polylines of a run from its row `first` on; modal state and position follow. Whoever gets a NeedsFull executes it
+        before going on."""
+        rows, base = self._rows(unit, entry)
+        count, line = unit.count(entry), unit.line(entry)
         while first < count:
-            room = min(CHUNK, count - first)
-            points = np.empty((room + 1, len(self._axes)))
-            feeds, lines, numbers = np.empty(room), np.empty(room, np.int64), np.empty(room, np.int64)
-            following, moves, mode, feed = trace_plain(
-                rows.values,
-                rows.given,
-                rows.motion,
-                rows.feed,
-                rows.number,
-                first,
-                count,
-                line,
-                int(modal.motion),
-                np.nan if modal.feed is None else modal.feed,
-                modal.incremental,
-                factor,
-                25.4 if modal.inch else 1.0,
-                offset,
-                self._limit,
-                position,
-                points,
-                feeds,
-                lines,
-                numbers,
-            )
-            modal.motion = Motion(int(mode))
-            modal.feed = None if np.isnan(feed) else float(feed)
-            if moves:
-                yield Polyline(
-                    unit.name,
-                    points[: moves + 1],
-                    feeds[:moves],
-                    lines[:moves],
-                    numbers[:moves],
-                    offset.copy(),
-                )
-            first = int(following)
-            if first < count and moves < room:
+            if x.fast and x.frames[-1].modal is None:
+                first, polyline = self._trace(unit, rows, first, count, line, x)
+                if polyline is not None:
+                    yield polyline
+            if first < count:
                 yield NeedsFull(base + int(rows.starts[first]), line + first)
                 first += 1
+
+    def _rows(self, unit: Unit, entry: int) -> tuple[PlainRows, int]:
+        """Scanned rows of the run, and the file offset that their starts count from; short runs stay, for loops."""
+        key = (id(unit), entry)
+        if key not in self._kept:
+            rows, base = unit.rows(entry)
+            if unit.count(entry) > _KEPT_LINES:
+                return rows, base
+            if len(self._kept) >= _KEPT_RUNS:
+                self._kept.clear()
+            self._kept[key] = (rows.head(unit.count(entry)), base)
+        return self._kept[key]
+
+    def _trace(
+        self, unit: Unit, rows: PlainRows, first: int, count: int, line: int, x: Execution
+    ) -> tuple[int, Polyline | None]:
+        """As many rows as one polyline takes; the next row."""
+        modal, coordinates = x.modal, x.coordinates
+        room = min(CHUNK, count - first)
+        points = np.empty((room + 1, len(self._axes)))
+        feeds, lines, numbers = np.empty(room), np.empty(room, np.int64), np.empty(room, np.int64)
+        position = np.array(coordinates.position)
+        gain, shift = np.array(coordinates.gain), np.array(coordinates.shift)
+        inch = np.where(x.setup.linear, 25.4, 1.0) if modal.inch else np.ones(len(position))
+        feed_factor = (25.4 if modal.inch else 1.0) * x.setup.feed_factor
+        following, moves, mode, feed = trace_plain(
+            rows.values,
+            rows.given,
+            rows.motion,
+            rows.feed,
+            rows.number,
+            first,
+            count,
+            line,
+            int(modal.motion),
+            np.nan if modal.feed is None else modal.feed,
+            modal.incremental,
+            inch * gain,
+            feed_factor,
+            shift,
+            self._limit,
+            position,
+            points,
+            feeds,
+            lines,
+            numbers,
+        )
+        following = int(following)
+        modal.motion = Motion(int(mode))
+        modal.feed = None if np.isnan(feed) else float(feed)
+        if following > first:
+            last = rows.number[first:following]
+            given = last[last >= 0]
+            if len(given):
+                x.block_number = int(given[-1])
+        if not moves:
+            return following, None
+        coordinates.moved([float(p) for p in position])
+        plain = bool((gain == 1.0).all())
+        polyline = Polyline(
+            unit.name,
+            points[: moves + 1],
+            feeds[:moves],
+            lines[:moves],
+            numbers[:moves],
+            shift,
+            None if plain else gain,
+        )
+        return following, polyline
 
 
 @warms("plain runs")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.decoder.external import ExternalEntry
 from runtime.cnc.language.addresses import Addresses
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
@@ -96,6 +97,18 @@ class SpindleSetup:
 
 
 @dataclass(frozen=True, slots=True)
+class Limits:
+    """How much of each kind a channel holds (configuration.decoder.*), and how deep programs may be nested."""
+
+    parameters: int = 20_000
+    program_variables: int = 20_000
+    levels: int = 50
+    macros: int = 1000
+    macro_name: int = 30
+    macro_content: int = 200
+
+
+@dataclass(frozen=True, slots=True)
 class DecoderSetup:
     """The channel as the decoder sees it; n axes in channel order, the first three are the main axes.
 
@@ -115,6 +128,21 @@ class DecoderSetup:
     feed: float = 0.0
     centre_shift: float = CENTRE_SHIFT
     centre_shift_share: float = CENTRE_SHIFT_SHARE
+    macros: Mapping[str, str] = field(default_factory=dict)  # makro_def[]
+    feed_factor: float = 1.0  # F to mm/min, from P-CHAN-00108
+    mixed_dimension: bool = False  # P-CHAN-00116
+    create_transfer: bool = True  # P-CHAN-00463
+    keep_cycle_changes: bool = False  # P-CHAN-00210
+    keep_parameters: bool = False  # P-CHAN-00067
+    tool_change_program: str = ""  # P-CHAN-00118
+    tool_data_program: str = ""  # P-CHAN-00429
+    start_program: str = ""  # P-CHAN-00119
+    final_program: str = ""  # P-CHAN-00252
+    g_programs: Mapping[int, str] = field(default_factory=dict)  # P-CHAN-00160…00169, 00187: G number → file
+    axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
+    position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
+    external: tuple[ExternalEntry, ...] = ()
+    limits: Limits = Limits()
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -137,8 +165,11 @@ class DecoderSetup:
             )
             for i, spindle in enumerate(parameters.spindel)
         )
+        axes = [machine.axes[machine.axis_index(axis)] for axis in described.axes]
         return cls(
             axes=described.axes,
+            axis_velocity=tuple(axis.velocity for axis in axes),
+            position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
             spindles=spindles,
             zero_offsets=offsets,
@@ -158,6 +189,21 @@ class DecoderSetup:
             frozenset(self.m_synch),
             frozenset(self.h_synch),
         )
+
+    @property
+    def m_numbers(self) -> frozenset[int]:
+        """M functions that are configured."""
+        return frozenset(self.m_synch)
+
+    @property
+    def h_numbers(self) -> frozenset[int]:
+        """H functions that are configured."""
+        return frozenset(self.h_synch)
+
+    @property
+    def spindle_names(self) -> tuple[str, ...]:
+        """Names of the spindles, the main spindle first."""
+        return tuple(spindle.name for spindle in self.spindles)
 
     def zero_offset(self, number: int) -> Floats:
         """The offset of G53…G59, shape (n,)."""

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from runtime.cnc.blocks import Block, Source, StopKind, Synch, Technology, TechnologyFunction, Wait
-from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, FunctionSlots, Values
 from runtime.cnc.language.isg.functions import round_half_up
-from runtime.cnc.language.isg.modal import ModalState
-from runtime.cnc.language.isg.parser import INTERNAL_M, SPINDLE_M, check_function
+from runtime.cnc.language.isg.parser import INTERNAL_M, SPINDLE_M, TOOL_CHANGE_M, check_function
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
@@ -24,9 +22,11 @@ VALUE_LIMIT = 2**31 - 1  # additional values are signed 32 bit integers
 class Functions:
     """The functions of one block, sorted by their place in the stream."""
 
-    __slots__ = ("after", "before", "ending", "stops", "wait_after", "wait_before")
+    __slots__ = ("_source", "after", "before", "ending", "stops", "tool_change", "wait_after", "wait_before")
 
-    def __init__(self) -> None:
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self.tool_change = False  # M6 calls a program
         self.before: list[Block] = []
         self.after: list[Block] = []
         self.wait_before = False
@@ -44,27 +44,23 @@ class Functions:
         self.wait_before |= kind == Synch.MVS_SVS
         self.wait_after |= kind in (Synch.MVS_SNS, Synch.MNS_SNS)
 
-    def in_order(self, source: Source, motion: Iterable[Block]) -> list[Block]:
-        """Everything of the block: functions before the motion, the motion, functions behind it, with their waits."""
-        out = list(self.before)
-        if self.wait_before:
-            out.append(Wait(source, before=True))
-        out += motion
-        out += self.after
-        if self.wait_after:
-            out.append(Wait(source))
-        return out
+    def leading(self) -> list[Block]:
+        """What stands in front of the motion."""
+        return [*self.before, Wait(self._source, before=True)] if self.wait_before else self.before
+
+    def trailing(self) -> list[Block]:
+        """What stands behind the motion."""
+        return [*self.after, Wait(self._source)] if self.wait_after else self.after
 
 
-def functions_of(
-    block: CompiledBlock, values: Values, source: Source, setup: DecoderSetup, addresses: Addresses, modal: ModalState
-) -> Functions:
+def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Functions:
     """The functions of a block: T, spindle, M, H, whatever their order in the text, so that a tool change knows its
     tool.
 
     S is entered into the modal state. Raises LineError.
     """
-    functions = Functions()
+    source, setup, addresses, modal = x.source, x.setup, x.setup.addresses, x.modal
+    functions = Functions(source)
     spindle_m = -1
     if block.speed >= 0:
         speed = values[block.speed]
@@ -75,6 +71,7 @@ def functions_of(
         tool = values[block.tool]
         if not 0 <= tool <= VALUE_LIMIT:
             raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
+        modal.tool = round_half_up(tool)
         if setup.tool_synch != Synch.NO_SYNCH:
             functions.add(TechnologyFunction(source, Technology.T, round_half_up(tool), 0.0, setup.tool_synch))
     numbers = [_number(slots, values, addresses) for slots in block.m]
@@ -93,14 +90,21 @@ def functions_of(
             functions.stops.append(STOPS[number])
         elif number in PROGRAM_END or number in SUBPROGRAM_END:
             functions.ending = number
-        synch = setup.m_synch.get(number, Synch.NO_SYNCH) if number in INTERNAL_M else setup.m_synch[number]
+        if number == TOOL_CHANGE_M and (setup.tool_change_program or "M6" in x.state.get("file names", {})):
+            if slots.extra >= 0:
+                raise LineError(catalogue.VALUE_NOT_ALLOWED, slots.word.column, number=number)
+            functions.tool_change = True
+            continue
+        if number not in x.memory.m_synch and number not in INTERNAL_M:
+            raise LineError(catalogue.M_UNDEFINED, slots.word.column, number=number)
+        synch = x.memory.m_synch.get(number, Synch.NO_SYNCH)
         if synch != Synch.NO_SYNCH:
             functions.add(TechnologyFunction(source, Technology.M, number, _extra(slots, values), synch))
     for slots in block.h:
         number = _number(slots, values, addresses)
-        if setup.h_synch[number] != Synch.NO_SYNCH:
+        if x.memory.h_synch[number] != Synch.NO_SYNCH:
             value = _extra(slots, values)
-            functions.add(TechnologyFunction(source, Technology.H, number, value, setup.h_synch[number]))
+            functions.add(TechnologyFunction(source, Technology.H, number, value, x.memory.h_synch[number]))
     return functions
 
 

@@ -270,3 +270,283 @@ DWELL_SPEED = ErrorEntry(
 DWELL_AXIS = ErrorEntry(
     300105, "G04 takes the time with the first main axis {axis} or without an address, not with {address}"
 )
+
+# -- strings -------------------------------------------------------------------------------------------------------
+
+STRING_NOT_ALLOWED = ErrorEntry(300110, "{what} needs a number, not a string", reaction=Reaction.STOP_AT_BLOCK_END)
+NUMBER_NOT_ALLOWED = ErrorEntry(300111, "{what} needs a string, not a number", reaction=Reaction.STOP_AT_BLOCK_END)
+KINDS_MIXED = ErrorEntry(
+    300112,
+    "{operator} cannot join a string with a number",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="convert one of them: INT_TO_STR, REAL_TO_STR, STR_TO_INT, STR_TO_REAL",
+)
+STRING_POSITION = ErrorEntry(
+    300113, "{value:.9g} is no position or count in the string of {name}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+STRING_TOO_LONG = ErrorEntry(
+    300114, "the string of {name} is longer than {limit} characters", reaction=Reaction.STOP_AT_BLOCK_END
+)
+STRING_NO_NUMBER = ErrorEntry(300115, "{text!r} is not a number ({name})", reaction=Reaction.STOP_AT_BLOCK_END)
+ORD_POSITION = ErrorEntry(
+    21545,
+    "ORD: position {value:.9g} lies beyond the string",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 1660",
+)
+MACRO_UNDEFINED = ErrorEntry(
+    300120,
+    'macro or string "{name}" is not understood here',
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy='define the macro before: "{name}" = "..."',
+)
+MACRO_DEPTH = ErrorEntry(
+    300121, 'macro "{name}" calls itself or is nested deeper than {limit}', reaction=Reaction.STOP_AT_BLOCK_END
+)
+MACRO_CONTENT = ErrorEntry(
+    300122,
+    'macro "{name}" may not contain {what}',
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual 26133",
+)
+MACRO_LIMIT = ErrorEntry(
+    300123,
+    'macro "{name}": {what} is above the limit of {limit}',
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="P-CHAN-00509",
+)
+STATEMENT_UNKNOWN = ErrorEntry(300130, "#{name} is not a statement", remedy="check the spelling; tandem lang lists all")
+STATEMENT_UNSUPPORTED = ErrorEntry(300137, "statement #{name} is not supported yet")
+STATEMENT_BLANK = ErrorEntry(
+    300131, "no blank may stand between # and the keyword", source="programming manual line 11058"
+)
+KEY_UNKNOWN = ErrorEntry(300132, "{key!r} is no argument of {statement}", remedy="arguments: {known}")
+KEY_TWICE = ErrorEntry(300133, "{key} stands twice in {statement}")
+KEY_MISSING = ErrorEntry(300134, "{statement} needs {key}", remedy="written as: {syntax}")
+STATEMENT_ARGUMENTS = ErrorEntry(300135, "{found!r} is not understood in {statement}", remedy="written as: {syntax}")
+WORD_UNKNOWN = ErrorEntry(300136, "{word!r} is no value of {key}", remedy="values: {known}")
+VARIABLE_UNKNOWN = ErrorEntry(
+    300140, "variable {name} is not known", reaction=Reaction.STOP_AT_BLOCK_END, remedy="{hint}"
+)
+VARIABLE_READ_ONLY = ErrorEntry(300141, "variable {name} can only be read", reaction=Reaction.STOP_AT_BLOCK_END)
+VARIABLE_UNSET = ErrorEntry(
+    300142,
+    "variable {name} does not exist",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="declare it in #VAR … #ENDVAR or assign it first, or ask with EXIST[{name}]",
+)
+ARRAY_INDEX = ErrorEntry(300143, "index {value:.9g} of {name} is outside 0…{last}", reaction=Reaction.STOP_AT_BLOCK_END)
+ARRAY_NEEDED = ErrorEntry(300144, "{name} is no array with {given} dimensions", reaction=Reaction.STOP_AT_BLOCK_END)
+LABEL_MISSING = ErrorEntry(
+    20840,
+    "label {label} does not exist in this program level",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="P-ERR-20840",
+)
+JUMP_INTO_LOOP = ErrorEntry(
+    300150,
+    "$GOTO jumps into the loop that begins in line {line}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 8562",
+)
+OUTSIDE_LOOP = ErrorEntry(300151, "{statement} stands outside {where}", reaction=Reaction.STOP_AT_BLOCK_END)
+COMMENT_BLOCK_OPEN = ErrorEntry(300152, "#COMMENT BEGIN has no #COMMENT END", remedy="add #COMMENT END")
+COMMENT_BLOCK_END = ErrorEntry(300153, "#COMMENT END without #COMMENT BEGIN")
+CONTINUATION = ErrorEntry(
+    300154,
+    "a # statement cannot go on in the next line",
+    remedy="write it in one line",
+    source="programming manual line 1271",
+)
+TYPE_INVALID = ErrorEntry(
+    300145,
+    "{type} is no data type",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="BOOLEAN, SGN08, UNS08, SGN16, UNS16, SGN32, UNS32, REAL64, STRING[0…126]",
+)
+ARRAY_DIMENSIONS = ErrorEntry(300146, "{name} has more than {limit} dimensions", reaction=Reaction.STOP_AT_BLOCK_END)
+ARRAY_SIZE = ErrorEntry(
+    300147,
+    "the sizes of {name} are not possible",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="every dimension from 1 on, at most {limit} elements in all",
+)
+ARRAY_VALUES = ErrorEntry(
+    300148, "{name} has {given} initial values, but only {count} elements", reaction=Reaction.STOP_AT_BLOCK_END
+)
+VARIABLE_LIMIT = ErrorEntry(
+    300149, "{name}: more than {limit} variables of this kind", reaction=Reaction.STOP_AT_BLOCK_END
+)
+DECLARATION_PLACE = ErrorEntry(
+    300155,
+    "{name} is declared outside #VAR … #ENDVAR",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="put the declaration between #VAR and #ENDVAR",
+)
+DELETE_HIGHER = ErrorEntry(
+    20933,
+    "{name} was made on a higher program level and cannot be deleted here",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 22118",
+)
+TRANSFER_OUTSIDE = ErrorEntry(
+    300156,
+    "{name} can only be used in a cycle",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 7343",
+)
+TRANSFER_MISSING = ErrorEntry(
+    20394,
+    "transfer parameter {name} was not given in the call",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="P-CHAN-00463",
+)
+AXIS_ARGUMENT = ErrorEntry(300157, "G{number} needs axis words", reaction=Reaction.STOP_AT_BLOCK_END)
+RETURN_TARGET = ErrorEntry(300158, "{text!r} is not understood behind M17 or M29")
+CALL_FILE = ErrorEntry(
+    20131,
+    "no program is assigned to {word}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="configure it, or assign one with #FILE NAME",
+)
+FEED_SPINDLE = ErrorEntry(
+    300106,
+    "feed per revolution needs a spindle speed",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program S before",
+)
+FEED_PERCENT = ErrorEntry(
+    300107,
+    "G194 takes less than 100 percent, not {value:.9g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 5260",
+)
+END_FEED_MODE = ErrorEntry(
+    300108, "E works only with G94", reaction=Reaction.STOP_AT_BLOCK_END, source="programming manual line 6922"
+)
+CORNER_WITHOUT_MOTION = ErrorEntry(
+    300109, "a chamfer or rounding needs the motion that it belongs to", reaction=Reaction.STOP_AT_BLOCK_END
+)
+
+# -- corners and contour lines -------------------------------------------------------------------------------------
+
+CORNER_SIZE = ErrorEntry(
+    300400,
+    "size {size:.6g} of the {what} must be above 0",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 5305",
+)
+CORNER_TOO_LARGE = ErrorEntry(
+    300401,
+    "{what} of {size:.6g} mm does not fit between this motion and the one in line {next_line}: at most {largest:.6g} mm",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="make it smaller, or the shorter of both motions longer",
+    source="programming manual line 5482",
+)
+CORNER_OPEN = ErrorEntry(
+    300402,
+    "no motion follows the {what} before the end of the program",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="a chamfer or rounding stands between two motions: program the second one, or leave it out",
+    source="programming manual line 5301",
+)
+CORNER_DIRECTION = ErrorEntry(
+    300403,
+    "{what}: the motion in line {line} has no way in the plane of axes {plane}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="both motions beside it must move in the plane of the second one, and more than earlier chamfers and "
+    "roundings take away",
+)
+CORNER_REVERSAL = ErrorEntry(
+    300404,
+    "{what}: the motion in line {next_line} goes back the way this one came",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="there is no corner to work on: leave the {what} out, or check the targets",
+)
+CORNER_NEIGHBOUR = ErrorEntry(
+    300405,
+    "{what}: {reason}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="it can stand between lines, and arcs of the plane of the second motion",
+    source="programming manual lines 5301, 5367",
+)
+CORNER_WAIT = ErrorEntry(
+    300406,
+    "the program waits for the path (line {wait_line}) before the motion behind the {what} is known",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="move #FLUSH WAIT, or what reads current values, out of the corner",
+)
+CORNER_TANGENTIAL = ErrorEntry(
+    300407,
+    "nothing is inserted for the {what}: the motion in line {next_line} goes on in the same direction",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="programming manual line 5525",
+)
+CONTOUR_LINE_UNREACHABLE = ErrorEntry(
+    300410,
+    "{target} cannot be reached from the start point under {angle:.6g} degrees",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the angle counts from the first axis of the plane to the second; the target lies ahead in this direction",
+    source="programming manual line 2776",
+)
+CONTOUR_LINE_PARALLEL = ErrorEntry(
+    300411,
+    "contour lines under {first:.6g} and {second:.6g} degrees are parallel and do not meet in one point",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check both angles",
+)
+CONTOUR_LINE_UNDETERMINED = ErrorEntry(
+    300412,
+    "the contour line under {angle:.6g} degrees has no target",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program a coordinate with #ANG, or a second contour line in the next motion block",
+    source="programming manual line 2883",
+)
+CONTOUR_LINE_OVERDETERMINED = ErrorEntry(
+    300413,
+    "angle {angle:.6g} and target of the contour line contradict: the target lies {distance:.6g} mm beside it",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program the angle and one coordinate",
+)
+CONTOUR_LINE_INCREMENTAL = ErrorEntry(
+    300414,
+    "the target of the second contour line must be absolute",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program G90: the corner before it is not known yet",
+    source="programming manual line 2822",
+)
+CONTOUR_LINE_CIRCLE = ErrorEntry(
+    300415,
+    "#ANG has no meaning with G0{motion}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="contour lines are straight: program G01 or G00",
+    source="programming manual line 2707",
+)
+ARC_POINTS_EQUAL = ErrorEntry(
+    300416,
+    "{first} and {second} of the arc in space are the same point",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="full circles are not possible with G303",
+    source="programming manual line 2657",
+)
+ARC_POINTS_IN_LINE = ErrorEntry(
+    300417,
+    "the three points of the arc in space lie on a straight line",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="move the interim point (I, J, K) aside, or program G01",
+    source="programming manual line 2657",
+)
+OPENING_ANGLE = ErrorEntry(
+    300418,
+    "opening angle {angle:.6g} of the circle must be above 0 and at most 360 degrees",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="G02 and G03 give the direction",
+)
+RADIUS_DIFFERENCE = ErrorEntry(
+    300419,
+    "radius {start:.6g} mm at the start of the circle and {end:.6g} mm at its end differ by more than {limit:.6g} mm",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check {letters} and the target, or use G165",
+    source="P-CHAN-00171, P-CHAN-00172",
+)

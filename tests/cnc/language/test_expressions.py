@@ -21,10 +21,11 @@ ADDRESSES = Addresses(("X", "Y", "Z"))
 
 def value(text: str, **parameters: float) -> float:
     """The value of an expression; `P1=..` sets parameters."""
-    block = compile_block(block_parser(ADDRESSES).parse(f"P99 = {text}"), text, ADDRESSES)
-    p = Parameters({int(name[1:]): number for name, number in parameters.items()})
-    block.values(p)
-    return p[99]
+    program = "".join(f"{name} = {number!r}\n" for name, number in parameters.items())
+    run = decode(program + f"P99 = {text}\n")
+    if run.problem:
+        raise CalculationError(run.problem.entry, "P99", **run.problem.values)
+    return run.parameters[99]
 
 
 # -- priorities ----------------------------------------------------------------------------------------------------

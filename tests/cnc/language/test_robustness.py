@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from runtime.cnc.decoder import Decoder, ProgramError, load_program
-from runtime.cnc.language.isg.registry import G_FUNCTIONS, G_NUMBERS
+from runtime.cnc.decoder.isg.registry import G_FUNCTIONS
+from runtime.cnc.language.isg.parser import G_NUMBERS
 from tests.cnc.decoder.programs import SETUP, decode
 
 tokens = st.sampled_from(

@@ -2,7 +2,7 @@
 belongs.
 
 A block is compiled when it is executed for the first time. Executing it again is one call; blocks of plain numbers
-need none.
+need none. The function's globals are the namespace of the decoder that executes it.
 """
 
 from __future__ import annotations
@@ -11,17 +11,25 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg import functions
-from runtime.cnc.language.isg.expressions import NUMBER_LIMIT
+from runtime.cnc.language.isg.expressions import NUMBER_LIMIT, number
+from runtime.cnc.language.isg.index import BlockText
 from runtime.cnc.language.isg.parser import MAX_PARAMETER
-from runtime.cnc.language.isg.registry import G_FUNCTIONS, GFunction
-from runtime.cnc.language.isg.words import ControlStatement, Expression, ParsedBlock, Word, WordKind
+from runtime.cnc.language.isg.syntax import Vocabulary
+from runtime.cnc.language.isg.words import (
+    ControlStatement,
+    Expression,
+    ParsedBlock,
+    ParsedStatement,
+    Word,
+    WordKind,
+)
 from runtime.diagnostics.catalogue import language as catalogue
 
-Values = tuple[float, ...]
-Evaluate = Callable[[dict[int, float]], Values]
+Value = float | str
+Values = tuple[Any, ...]  # numbers where the grammar asks for numbers
+Evaluate = Callable[[], Values]
 
 
 class Parameters(dict[int, float]):
@@ -58,6 +66,11 @@ NAMES: Mapping[str, object] = {
             functions.logic_or,
             functions.logic_xor,
             functions.round_half_up,
+            functions.as_number,
+            functions.as_string,
+            functions.add,
+            functions.subtract,
+            functions.compare,
             parameter_number,
         )
     },
@@ -75,37 +88,92 @@ class FunctionSlots:
 
 
 @dataclass(frozen=True, slots=True)
+class GSlots:
+    """A G function of a block: its word, the slot of its value (-1 without), those of bracketed values."""
+
+    word: Word
+    value: int
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DeclarationSlots:
+    """A declaration: its word, slots of the initial values and of the sizes or indices."""
+
+    word: Word
+    values: tuple[int, ...]
+    indices: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StatementSlots:
+    """A # statement with the slots of its arguments, -1 where an argument has no expression; and those of indices."""
+
+    statement: ParsedStatement
+    slots: tuple[int, ...]
+    indices: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Counter:
+    """The counter of a `$FOR`, which may be any variable that can be written."""
+
+    write: Callable[[float], object]
+    read: Callable[[], float]
+
+
+@dataclass(frozen=True, slots=True)
 class CompiledBlock:
     """A block ready to be executed.
 
-    `values(parameters)` gives the values; the other fields are slots in them, -1 where the word is not programmed.
-    `axes` and `interpolation` are pairs (index, slot). For a control statement the slots 0, 1, 2 are its expressions.
+    `values()` gives the values; the other fields are slots in them, -1 where the word is not programmed. `axes` and
+    `interpolation` are pairs (index, slot). For a control statement the slots 0, 1, 2 are its expressions. `simple` tells that
+    there is nothing but N, G00/G01, axis words and F: `motion` is 0 or 1, -1 without G.
     """
 
-    text: str
+    source: BlockText
     skip_level: int = 0
     constants: Values = ()
     evaluate: Evaluate | None = None
     number: int = -1
-    g: tuple[GFunction, ...] = ()
+    g: tuple[GSlots, ...] = ()
     axes: tuple[tuple[int, int], ...] = ()
     interpolation: tuple[tuple[int, int], ...] = ()
     radius: int = -1
     feed: int = -1
+    end_feed: int = -1
     speed: int = -1
     tool: int = -1
+    tool_data: int = -1
     m: tuple[FunctionSlots, ...] = ()
     h: tuple[FunctionSlots, ...] = ()
     dwell: int = -1
     dwell_revolutions: bool = False
     call: Word | None = None
+    returning: Word | None = None
+    goto: Word | None = None
+    goto_slot: int = -1
     control: ControlStatement | None = None
-    counter: int = -1  # slot of the number of the counter of $FOR
+    declarations: tuple[DeclarationSlots, ...] = ()
+    additions: tuple[tuple[str, int], ...] = ()
+    statement: StatementSlots | None = None
+    beside: StatementSlots | None = None
+    macros: tuple[tuple[str, str], ...] = ()
     words: tuple[Word, ...] = ()
+    flush: bool = False
+    simple: bool = False
+    motion: int = -1
+    assigned: bool = False  # nothing but assignments
+    counter: Counter | None = None  # of $FOR
+    macro_version: int = -1  # of the macros that its text was read with, -1 if it has no quoted text
 
-    def values(self, parameters: dict[int, float]) -> Values:
+    @property
+    def text(self) -> str:
+        return self.source.text
+
+    def values(self) -> Values:
         """All values of the block, assignments done; raises CalculationError."""
-        return self.constants if self.evaluate is None else self.evaluate(parameters)
+        return self.constants if self.evaluate is None else self.evaluate()
 
     def column(self, kind: WordKind, index: int | None = None) -> int:
         """Column of the first word of this kind, 1 if there is none."""
@@ -120,11 +188,13 @@ class _Emitter:
         self.slots: list[str] = []
         self.constants: list[float] = []
         self.constant = True
+        self.flush = False
 
     def slot(self, expression: Expression | None) -> int:
         if expression is None:
             return -1
         index = len(self.slots)
+        self.flush |= expression.flush
         if expression.constant is None:
             self.constant = False
             self.lines.append(f"v{index} = {expression.source}")
@@ -136,63 +206,87 @@ class _Emitter:
 
     def assign(self, target: str, expression: Expression) -> None:
         self.constant = False
+        self.flush |= expression.flush
+        if "{}" in target:
+            self.lines.append(target.replace("{}", expression.source, 1))
+            return
+        source = number(expression, "P", 1).source
         self.lines += [
-            f"n, v = {target}, {expression.source}",
+            f"n, v = {target}, {source}",
             f"if not -{NUMBER_LIMIT!r} <= v <= {NUMBER_LIMIT!r}: check_assigned(v, n)",
             "p[n] = v",
         ]
 
-    def function(self, addresses: Addresses) -> Evaluate:
+    def function(self, namespace: dict[str, Any]) -> Evaluate:
         body = "\n".join(f"    {line}" for line in self.lines)
-        source = f"def block(p):\n{body}\n    return ({', '.join(self.slots)}{',' if self.slots else ''})\n"
-        namespace: dict[str, Any] = {**NAMES, "known_m": addresses.m, "known_h": addresses.h}
-        exec(compile(source, "<NC block>", "exec"), namespace)
-        function: Evaluate = namespace["block"]
-        return function
+        source = f"def block():\n{body}\n    return ({', '.join(self.slots)}{',' if self.slots else ''})\n"
+        return _made(source, namespace)
 
 
-def compile_block(block: ParsedBlock, text: str, addresses: Addresses) -> CompiledBlock:
+def _made(source: str, namespace: dict[str, Any]) -> Callable[..., Any]:
+    place: dict[str, Any] = {}
+    exec(compile(source, "<NC block>", "exec"), namespace, place)
+    made: Callable[..., Any] = place["block"]
+    return made
+
+
+def compile_block(
+    block: ParsedBlock,
+    source: BlockText,
+    namespace: dict[str, Any],
+    vocabulary: Vocabulary,
+    macro_version: int = -1,
+) -> CompiledBlock:
     """Compile a block. Assignments and values are computed in the order of the words."""
     emitter = _Emitter()
     if block.control is not None:
-        for expression in block.control.expressions:
-            emitter.slot(expression)
-        target = block.control.target
-        counter = emitter.slot(Expression(target)) if target else -1
-        number = emitter.slot(block.number)
-        constants, evaluate = _result(emitter, addresses)
-        return CompiledBlock(
-            text, block.skip_level, constants, evaluate, number=number, control=block.control, counter=counter
-        )
+        return _compile_control(block, source, namespace, emitter, macro_version)
     slots: dict[WordKind, int] = {}
     axes: list[tuple[int, int]] = []
     interpolation: list[tuple[int, int]] = []
     functions_of: dict[WordKind, list[FunctionSlots]] = {WordKind.M: [], WordKind.H: []}
-    g: list[GFunction] = []
-    call: Word | None = None
+    g: list[GSlots] = []
+    additions: list[tuple[str, int]] = []
+    declarations: list[DeclarationSlots] = []
+    special: dict[WordKind, Word] = {}
     number = emitter.slot(block.number)
     for word in block.words:
-        if word.kind is WordKind.ASSIGNMENT:
+        kind = word.kind
+        if kind is WordKind.ASSIGNMENT:
             assert word.value is not None
             emitter.assign(word.target, word.value)
-        elif word.kind is WordKind.AXIS:
+        elif kind is WordKind.AXIS:
             axes.append((word.index, emitter.slot(word.value)))
-        elif word.kind is WordKind.INTERPOLATION:
+        elif kind is WordKind.INTERPOLATION:
             interpolation.append((word.index, emitter.slot(word.value)))
-        elif word.kind in functions_of:
-            functions_of[word.kind].append(FunctionSlots(word, emitter.slot(word.value), emitter.slot(word.extra)))
-        elif word.kind is WordKind.G:
-            g.append(G_FUNCTIONS[word.index])
+        elif kind in functions_of:
+            functions_of[kind].append(FunctionSlots(word, emitter.slot(word.value), emitter.slot(word.extra)))
+        elif kind is WordKind.G:
+            g.append(GSlots(word, emitter.slot(word.value), tuple(emitter.slot(value) for value in word.values)))
+        elif kind is WordKind.ADDITION:
+            additions.append((word.name, emitter.slot(word.value)))
+        elif kind is WordKind.DECLARATION:
+            values = tuple(emitter.slot(value) for value in word.values)
+            declarations.append(DeclarationSlots(word, values, tuple(emitter.slot(index) for index in word.indices)))
+        elif kind in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL):
+            special[WordKind.CALL_LOCAL] = word
+        elif kind in (WordKind.RETURN, WordKind.GOTO):
+            special[kind] = word
             if word.value is not None:
-                slots[WordKind.RADIUS] = emitter.slot(word.value)
-        elif word.kind in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL):
-            call = word
+                slots[kind] = emitter.slot(word.value)
         else:
-            slots[word.kind] = emitter.slot(word.value)
-    constants, evaluate = _result(emitter, addresses)
+            slots[kind] = emitter.slot(word.value)
+    statement = _statement(block.statement, emitter)
+    beside = _statement(block.addition, emitter)
+    constants, evaluate = _result(emitter, namespace)
     dwell = slots.get(WordKind.DWELL, -1)
+    kinds = {word.kind for word in block.words}
+    plain = statement is None and beside is None and not block.macros
+    simple = plain and bool(axes) and kinds <= {WordKind.AXIS, WordKind.FEED, WordKind.G, WordKind.ASSIGNMENT}
+    motions = [word.index for word in block.words if word.kind is WordKind.G]
+    simple = simple and (not motions or (len(motions) == 1 and motions[0] in (0, 1)))
     return CompiledBlock(
-        text,
+        source,
         block.skip_level,
         constants,
         evaluate,
@@ -202,18 +296,75 @@ def compile_block(block: ParsedBlock, text: str, addresses: Addresses) -> Compil
         tuple(interpolation),
         slots.get(WordKind.RADIUS, -1),
         slots.get(WordKind.FEED, -1),
+        slots.get(WordKind.END_FEED, -1),
         slots.get(WordKind.SPEED, -1),
         slots.get(WordKind.TOOL, -1),
+        slots.get(WordKind.TOOL_DATA, -1),
         tuple(functions_of[WordKind.M]),
         tuple(functions_of[WordKind.H]),
         dwell,
         dwell >= 0 and block.words[0].index == 1,
-        call,
+        special.get(WordKind.CALL_LOCAL),
+        special.get(WordKind.RETURN),
+        special.get(WordKind.GOTO),
+        slots.get(WordKind.GOTO, -1),
+        declarations=tuple(declarations),
+        additions=tuple(additions),
+        statement=statement,
+        beside=beside,
+        macros=block.macros,
         words=block.words,
+        flush=emitter.flush or (statement is not None and statement.statement.syntax.flush),
+        simple=simple,
+        motion=motions[0] if simple and motions else -1,
+        assigned=plain and bool(kinds) and kinds == {WordKind.ASSIGNMENT},
+        macro_version=macro_version,
     )
 
 
-def _result(emitter: _Emitter, addresses: Addresses) -> tuple[Values, Evaluate | None]:
+def _compile_control(
+    block: ParsedBlock, source: BlockText, namespace: dict[str, Any], emitter: _Emitter, macro_version: int
+) -> CompiledBlock:
+    control = block.control
+    assert control is not None
+    for expression in control.expressions:
+        emitter.slot(expression)
+    counter = None
+    if control.counter is not None:
+        target = control.target if "{}" in control.target else f"set_parameter({control.target}, {{}})"
+        write = _made(f"def block(value):\n    {target.replace('{}', 'value', 1)}\n", namespace)
+        counter = Counter(write, _made(f"def block():\n    return {control.counter.source}\n", namespace))
+    elif control.target:  # $SWITCH P1=…
+        emitter.assign(control.target, Expression("v0"))
+    goto, slot = control.goto, -1
+    if goto is not None and goto.value is not None:
+        slot = emitter.slot(goto.value)
+    number = emitter.slot(block.number)
+    constants, evaluate = _result(emitter, namespace)
+    return CompiledBlock(
+        source,
+        block.skip_level,
+        constants,
+        evaluate,
+        number=number,
+        control=control,
+        goto=goto,
+        goto_slot=slot,
+        flush=emitter.flush,
+        counter=counter,
+        macro_version=macro_version,
+    )
+
+
+def _statement(statement: ParsedStatement | None, emitter: _Emitter) -> StatementSlots | None:
+    if statement is None:
+        return None
+    slots = tuple(emitter.slot(argument.value) for argument in statement.arguments)
+    indices = tuple(tuple(emitter.slot(index) for index in argument.indices) for argument in statement.arguments)
+    return StatementSlots(statement, slots, indices)
+
+
+def _result(emitter: _Emitter, namespace: dict[str, Any]) -> tuple[Values, Evaluate | None]:
     if emitter.constant:
         return tuple(emitter.constants), None
-    return (), emitter.function(addresses)
+    return (), emitter.function(namespace)

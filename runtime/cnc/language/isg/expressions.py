@@ -9,10 +9,11 @@ nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.functions import BIT_MAX, FUNCTIONS
-from runtime.cnc.language.isg.words import Expression
+from runtime.cnc.language.isg.words import Expression, ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 NUMBER_LIMIT = float(BIT_MAX)  # of literals and parameters: signed 32 bit, and the results of bit operators
@@ -33,6 +34,7 @@ _CALLS = {
     "OR": "logic_or",
     "XOR": "logic_xor",
 }
+_COMPARISONS = ("==", "!=", "<", "<=", ">", ">=")
 _BASES = (("16#", 16), ("0X", 16), ("H", 16), ("02#", 2), ("2#", 2), ("B", 2), ("08#", 8), ("8#", 8))
 
 
@@ -61,9 +63,38 @@ def based_literal(text: str, column: int) -> Expression:
     raise LineError(catalogue.LITERAL_BASE, column, text=text)
 
 
+def text(content: str) -> Expression:
+    """A string literal."""
+    return Expression(repr(content), kind=ValueKind.STRING)
+
+
+def number(expression: Expression, what: str, column: int) -> Expression:
+    """The expression where only a number makes sense: refused if it is a string, tested at execution if that is open."""
+    if expression.kind is ValueKind.NUMBER:
+        return expression
+    if expression.kind is ValueKind.STRING:
+        raise LineError(catalogue.STRING_NOT_ALLOWED, column, what=what)
+    return _join(column, TIGHT, "as_number(", expression, f", {what!r})")
+
+
+def string(expression: Expression, what: str, column: int) -> Expression:
+    """The expression where only a string makes sense."""
+    if expression.kind is ValueKind.STRING:
+        return expression
+    if expression.kind is ValueKind.NUMBER:
+        raise LineError(catalogue.NUMBER_NOT_ALLOWED, column, what=what)
+    return _join(column, TIGHT, "as_string(", expression, f", {what!r})", kind=ValueKind.STRING)
+
+
 def binary(left: Expression, operator: str, right: Expression, column: int) -> Expression:
     """`left operator right`."""
     operator = operator.upper()
+    numbers = left.kind is ValueKind.NUMBER and right.kind is ValueKind.NUMBER
+    if not numbers and (operator == "+" or operator in _COMPARISONS):
+        return _of_any_kind(left, operator, right, column)
+    if not numbers and operator == "-" and ValueKind.STRING not in (left.kind, right.kind):
+        return _join(column, TIGHT, "subtract(", left, ", ", right, ")", kind=ValueKind.ANY)
+    left, right = number(left, operator, column), number(right, operator, column)
     if operator in ("+", "-"):
         return _join(column, SUM, _part(left, SUM), f" {operator} ", _part(right, PRODUCT))
     if operator == "*":
@@ -74,8 +105,20 @@ def binary(left: Expression, operator: str, right: Expression, column: int) -> E
     return _join(column, TIGHT, "(1.0 if ", _part(left, SUM), f" {operator} ", _part(right, SUM), " else 0.0)")
 
 
+def _of_any_kind(left: Expression, operator: str, right: Expression, column: int) -> Expression:
+    """Join or comparison where at least one side may be a string."""
+    kinds = {left.kind, right.kind}
+    if kinds == {ValueKind.NUMBER, ValueKind.STRING}:
+        raise LineError(catalogue.KINDS_MIXED, column, operator=operator)
+    if operator == "+":
+        kind = ValueKind.STRING if ValueKind.STRING in kinds else ValueKind.ANY
+        return _join(column, TIGHT, "add(", left, ", ", right, ")", kind=kind)
+    return _join(column, TIGHT, "compare(", left, f", {operator!r}, ", right, ")")
+
+
 def signed(operator: str, operand: Expression, column: int) -> Expression:
     """`+operand` or `-operand`."""
+    operand = number(operand, operator, column)
     if operator == "+":
         return operand
     if operand.constant is not None:
@@ -89,14 +132,18 @@ def call(name: str, arguments: Sequence[Expression], column: int) -> Expression:
     function = FUNCTIONS.get(name)
     if function is None:
         raise LineError(catalogue.FUNCTION_UNKNOWN, column, function=name)
-    if len(arguments) != function.arguments:
-        raise LineError(
-            catalogue.FUNCTION_ARGUMENTS, column, function=name, expected=function.arguments, given=len(arguments)
-        )
+    if not function.least <= len(arguments) <= function.most:
+        expected = str(function.least) if function.least == function.most else f"{function.least} to {function.most}"
+        raise LineError(catalogue.FUNCTION_ARGUMENTS, column, function=name, expected=expected, given=len(arguments))
     parts: list[str | Expression] = [f"{function.call.__name__}("]
-    for argument in arguments:
+    for index, argument in enumerate(arguments):
+        kind = function.takes[min(index, len(function.takes) - 1)]
+        if kind is ValueKind.NUMBER:
+            argument = number(argument, name, column)
+        elif kind is ValueKind.STRING:
+            argument = string(argument, name, column)
         parts += [argument, ", "]
-    return _join(column, TIGHT, *parts, ")")
+    return _join(column, TIGHT, *parts, ")", kind=function.gives)
 
 
 def parameter(number: Expression, column: int) -> Expression:
@@ -104,9 +151,28 @@ def parameter(number: Expression, column: int) -> Expression:
     return _join(column, TIGHT, "parameter_number(", number, ")")
 
 
-def read(number: str, depth: int = 0) -> Expression:
+def read(number: str, depth: int = 0, flush: bool = False) -> Expression:
     """The value of a parameter whose number is the source `number`."""
-    return Expression(f"p[{number}]", None, TIGHT, depth)
+    return Expression(f"p[{number}]", None, TIGHT, depth, flush=flush)
+
+
+def access(
+    name: str, indices: Sequence[Expression], column: int, kind: ValueKind = ValueKind.NUMBER, flush: bool = False
+) -> Expression:
+    """A call of one of the environment's callables with indices."""
+    parts: list[str | Expression] = [f"{name}("]
+    for index in indices:
+        parts += [number(index, "index", column), ", "]
+    joined = _join(column, TIGHT, *parts, ")", kind=kind)
+    return replace(joined, flush=True) if flush else joined
+
+
+def named_call(name: str, arguments: Sequence[Expression], column: int, kind: ValueKind) -> Expression:
+    """A call of a name of the namespace with strings as arguments."""
+    parts: list[str | Expression] = [f"{name}("]
+    for argument in arguments:
+        parts += [string(argument, name.upper(), column), ", "]
+    return _join(column, TIGHT, *parts, ")", kind=kind)
 
 
 def exists(number: Expression, table: str, column: int) -> Expression:
@@ -118,12 +184,15 @@ def _part(expression: Expression, binding: int) -> Expression:
     """The expression, in brackets if it binds looser than its place asks for."""
     if expression.binding >= binding:
         return expression
-    return Expression(f"({expression.source})", None, TIGHT, expression.depth + 1)
+    return replace(
+        expression, source=f"({expression.source})", constant=None, binding=TIGHT, depth=expression.depth + 1
+    )
 
 
-def _join(column: int, binding: int, *parts: str | Expression) -> Expression:
+def _join(column: int, binding: int, *parts: str | Expression, kind: ValueKind = ValueKind.NUMBER) -> Expression:
     source = "".join(part if isinstance(part, str) else part.source for part in parts)
-    depth = max((part.depth for part in parts if isinstance(part, Expression)), default=0) + (binding == TIGHT)
+    operands = [part for part in parts if isinstance(part, Expression)]
+    depth = max((part.depth for part in operands), default=0) + (binding == TIGHT)
     if depth > MAX_DEPTH:
         raise LineError(catalogue.EXPRESSION_DEPTH, column, limit=MAX_DEPTH)
-    return Expression(source, None, binding, depth)
+    return Expression(source, None, binding, depth, kind, any(part.flush for part in operands))

@@ -1,15 +1,20 @@
 """The mathematical functions and operators of the dialect (programming manual lines 1433–1600), registered by name.
 
-All take and give float. What has no value raises CalculationError, whose `name` is what stands in the program text.
+Numbers are float, strings str. What has no value raises CalculationError, whose `name` is what stands in the program text.
 """
 
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
 
 from runtime.cnc.language.errors import CalculationError
+from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 BIT_MAX = 2**32 - 1  # operands and results of bit operators are unsigned 32 bit (line 1470)
@@ -18,20 +23,36 @@ TRUE_FROM = 0.5  # a value counts as true from here on (line 1487)
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function of the expression language; `call` takes `arguments` floats."""
+    """A function of the expression language: how many arguments of which kind `call` takes, and what it gives."""
 
     name: str
-    arguments: int
+    least: int
+    most: int
+    takes: tuple[ValueKind, ...]  # of the arguments; the last one holds for those that follow
+    gives: ValueKind
     spec: str
-    call: Callable[..., float]
+    call: Callable[..., float | str]
 
 
 FUNCTIONS: dict[str, Function] = {}
+Call = TypeVar("Call", bound=Callable[..., float | str])
+_NUMBER, _STRING, _ANY = ValueKind.NUMBER, ValueKind.STRING, ValueKind.ANY
+MANY = 1000  # arguments of a function that takes any number of them
 
 
-def _function(name: str, spec: str, arguments: int = 1) -> Callable[[Callable[..., float]], Callable[..., float]]:
-    def register(call: Callable[..., float]) -> Callable[..., float]:
-        FUNCTIONS[name] = Function(name, arguments, spec, call)
+def _function(
+    name: str,
+    spec: str,
+    arguments: int = 1,
+    *,
+    takes: tuple[ValueKind, ...] = (_NUMBER,),
+    gives: ValueKind = _NUMBER,
+    least: int | None = None,
+) -> Callable[[Call], Call]:
+    """Register a function with `arguments` arguments, the last of which may be left out down to `least`."""
+
+    def register(call: Call) -> Call:
+        FUNCTIONS[name] = Function(name, arguments if least is None else least, arguments, takes, gives, spec, call)
         return call
 
     return register
@@ -116,6 +137,60 @@ def logic_or(a: float, b: float) -> float:
 
 def logic_xor(a: float, b: float) -> float:
     return float(_truth(a, "XOR") != _truth(b, "XOR"))
+
+
+# -- operands whose kind is only known at execution ----------------------------------------------------------------
+
+
+def as_number(value: object, what: str) -> float:
+    """The value if it is a number."""
+    if isinstance(value, float):
+        return value
+    raise CalculationError(catalogue.STRING_NOT_ALLOWED, what, what=what)
+
+
+def as_string(value: object, what: str) -> str:
+    """The value if it is a string."""
+    if isinstance(value, str):
+        return value
+    raise CalculationError(catalogue.NUMBER_NOT_ALLOWED, what, what=what)
+
+
+def add(a: object, b: object) -> object:
+    """Sum of numbers, join of strings, sum of whole sets of values axis by axis."""
+    if isinstance(a, float) and isinstance(b, float):
+        return a + b
+    if isinstance(a, str) and isinstance(b, str):
+        return a + b
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return a + b
+    raise CalculationError(catalogue.KINDS_MIXED, "+", operator="+")
+
+
+def subtract(a: object, b: object) -> object:
+    """Difference of numbers or of whole sets of values."""
+    if isinstance(a, float) and isinstance(b, float):
+        return a - b
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return a - b
+    raise CalculationError(catalogue.KINDS_MIXED, "-", operator="-")
+
+
+_ORDER: dict[str, Callable[[Any, Any], bool]] = {
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+
+
+def compare(a: object, sign: str, b: object) -> float:
+    """Comparison of two numbers or two strings, the latter in the order of their characters."""
+    if (isinstance(a, float) and isinstance(b, float)) or (isinstance(a, str) and isinstance(b, str)):
+        return float(_ORDER[sign](a, b))
+    raise CalculationError(catalogue.KINDS_MIXED, sign, operator=sign)
 
 
 # -- numbers -------------------------------------------------------------------------------------------------------
@@ -287,3 +362,143 @@ def arc_tangent_of_point(y: float, x: float) -> float:
 def arc_cotangent(x: float) -> float:
     """Between 0 and 180 degrees, so that it is continuous."""
     return 90.0 - math.degrees(math.atan(x))
+
+
+# -- strings: positions count from 1, counts stand before positions (lines 1637–1753) ------------------------------
+
+STRING_LIMIT = 10_000  # characters; no manual number, it keeps a loop from eating the memory
+
+
+def _size(value: float, name: str) -> int:
+    """A count or position: a whole number from 0 on, halves rounded upward."""
+    if not -0.5 <= value <= STRING_LIMIT:
+        raise CalculationError(catalogue.STRING_POSITION, name, value=value)
+    return round_half_up(value)
+
+
+def _at(value: float, name: str, length: int) -> int:
+    """A position in a string of `length` characters, counted from 1."""
+    position = _size(value, name)
+    if not 1 <= position <= length:
+        raise CalculationError(catalogue.STRING_POSITION, name, value=value)
+    return position
+
+
+def _limited(text: str, name: str) -> str:
+    if len(text) > STRING_LIMIT:
+        raise CalculationError(catalogue.STRING_TOO_LONG, name, limit=STRING_LIMIT)
+    return text
+
+
+_SUBSTRINGS = "isg.lex.string-substrings"
+_EDIT = "isg.lex.string-edit"
+_CONVERSION = "isg.lex.string-conversion"
+
+
+@_function("LEFT", _SUBSTRINGS, 2, takes=(_STRING, _NUMBER), gives=_STRING)
+def left_part(text: str, count: float) -> str:
+    return text[: _size(count, "LEFT")]
+
+
+@_function("MID", _SUBSTRINGS, 3, takes=(_STRING, _NUMBER, _NUMBER), gives=_STRING)
+def middle_part(text: str, count: float, position: float) -> str:
+    begin = max(_size(position, "MID"), 1) - 1
+    return text[begin : begin + _size(count, "MID")]
+
+
+@_function("RIGHT", _SUBSTRINGS, 2, takes=(_STRING, _NUMBER), gives=_STRING)
+def right_part(text: str, count: float) -> str:
+    return text[max(0, len(text) - _size(count, "RIGHT")) :]
+
+
+@_function("LEN", _SUBSTRINGS, takes=(_STRING,))
+def text_length(text: str) -> float:
+    return float(len(text))
+
+
+@_function("ORD", "isg.lex.string-ord", 2, takes=(_STRING, _NUMBER), least=1)
+def character_value(text: str, position: float = 1.0) -> float:
+    if not text:
+        return 0.0
+    if not 1 <= round_half_up(position) <= len(text):
+        raise CalculationError(catalogue.ORD_POSITION, "ORD", value=position)
+    return float(ord(text[round_half_up(position) - 1]))
+
+
+@_function("FIND", _EDIT, 2, takes=(_STRING,))
+def text_position(text: str, wanted: str) -> float:
+    return float(text.find(wanted) + 1)
+
+
+@_function("DELETE", _EDIT, 3, takes=(_STRING, _NUMBER, _NUMBER), gives=_STRING)
+def text_without(text: str, count: float, position: float) -> str:
+    begin = _at(position, "DELETE", len(text)) - 1
+    return text[:begin] + text[begin + _size(count, "DELETE") :]
+
+
+@_function("INSERT", _EDIT, 3, takes=(_STRING, _STRING, _NUMBER), gives=_STRING)
+def text_inserted(text: str, inserted: str, position: float) -> str:
+    """`inserted` behind the character at `position`; 0 puts it in front."""
+    behind = _size(position, "INSERT")
+    if behind > len(text):
+        raise CalculationError(catalogue.STRING_POSITION, "INSERT", value=position)
+    return _limited(text[:behind] + inserted + text[behind:], "INSERT")
+
+
+@_function("REPLACE", _EDIT, 4, takes=(_STRING, _STRING, _NUMBER, _NUMBER), gives=_STRING)
+def text_replaced(text: str, inserted: str, count: float, position: float) -> str:
+    begin = _at(position, "REPLACE", len(text)) - 1
+    return _limited(text[:begin] + inserted + text[begin + _size(count, "REPLACE") :], "REPLACE")
+
+
+@_function("INT_TO_STR", _CONVERSION, gives=_STRING)
+def integer_text(value: float) -> str:
+    return str(math.trunc(require_finite(value, "INT_TO_STR")))
+
+
+@_function("REAL_TO_STR", _CONVERSION, gives=_STRING)
+def real_text(value: float) -> str:
+    """Up to six decimals, at least one: the manual gives no number of them."""
+    text = f"{require_finite(value, 'REAL_TO_STR'):.6f}".rstrip("0")
+    return text + "0" if text.endswith(".") else text
+
+
+def _parsed(text: str, name: str) -> float:
+    try:
+        value = float(text.strip())
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise CalculationError(catalogue.STRING_NO_NUMBER, name, text=text)
+    return value
+
+
+@_function("STR_TO_INT", _CONVERSION, takes=(_STRING,))
+def text_integer(text: str) -> float:
+    return float(math.trunc(_parsed(text, "STR_TO_INT")))
+
+
+@_function("STR_TO_REAL", _CONVERSION, takes=(_STRING,))
+def text_real(text: str) -> float:
+    return _parsed(text, "STR_TO_REAL")
+
+
+@_function("FSTRING", "isg.lex.fstring", MANY, takes=(_ANY,), gives=_STRING, least=1)
+def composed(*parts: float | str) -> str:
+    """Numbers without decimals where they are whole, else as REAL_TO_STR writes them."""
+    return _limited("".join(part if isinstance(part, str) else plain_text(part) for part in parts), "FSTRING")
+
+
+def plain_text(value: float) -> str:
+    """A number as people write it."""
+    return str(int(value)) if value.is_integer() else real_text(value)
+
+
+@_function("IS_STRING", "isg.sub.cycle-parameters", takes=(_ANY,))
+def is_string(value: object) -> float:
+    return float(isinstance(value, str))
+
+
+@_function("IS_NUMBER", "isg.sub.cycle-parameters", takes=(_ANY,))
+def is_number(value: object) -> float:
+    return float(isinstance(value, float))

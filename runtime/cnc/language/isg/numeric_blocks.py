@@ -58,7 +58,7 @@ def numeric_block(text: str, addresses: Addresses) -> ParsedBlock | None:
     number = None
     if match.group(1) is not None:
         number = _value(match.group(1), match.start(1))
-    return ParsedBlock(tuple(words), None, number)
+    return ParsedBlock(tuple(words), number=number)
 
 
 def _value(digits: str, start: int) -> Expression:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from importlib import resources
 
@@ -10,10 +11,22 @@ from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.comments import LineError, blank_comments
+from runtime.cnc.language.isg.environment import Access, Environment
+from runtime.cnc.language.isg.macros import define_and_replace
 from runtime.cnc.language.isg.numeric_blocks import numeric_block
-from runtime.cnc.language.isg.registry import G_FUNCTIONS, G_NUMBERS, GFunction
+from runtime.cnc.language.isg.statements import StatementParser, beside_words, statement_at
+from runtime.cnc.language.isg.syntax import Group, GSyntax, Values, Vocabulary
 from runtime.cnc.language.isg.syntax_errors import explain
-from runtime.cnc.language.isg.words import Control, ControlStatement, Expression, ParsedBlock, Word, WordKind
+from runtime.cnc.language.isg.words import (
+    Control,
+    ControlStatement,
+    Expression,
+    ParsedBlock,
+    ParsedStatement,
+    ValueKind,
+    Word,
+    WordKind,
+)
 from runtime.cnc.language.text import MAX_BLOCK
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.kernels import CACHE
@@ -25,25 +38,68 @@ SPINDLE_M = (3, 4, 5)
 POSITIONING_M = 19
 GEAR_M = range(40, 46)
 INTERNAL_M = (0, 1, 2, 17, 29, 30)  # reserved numbers that work without a configuration (line 6606)
+TOOL_CHANGE_M = 6
+
+# Numbers that the dialect knows, as ranges from–to; those not registered are refused as "not supported yet"
+# instead of "unknown".
+# fmt: off
+_KNOWN_RANGES = (
+    (0, 5), (8, 13), (17, 23), (25, 26), (33, 33), (40, 42), (51, 61), (63, 63), (66, 66), (68, 71), (74, 74),
+    (80, 102), (106, 108), (112, 112), (115, 117), (127, 141), (150, 151), (159, 167), (193, 194), (196, 196),
+    (200, 202), (230, 231), (233, 233), (236, 239), (260, 261), (293, 293), (301, 303), (310, 310), (331, 334),
+    (338, 339), (351, 351), (359, 360), (800, 839), (900, 901),
+)
+# fmt: on
+G_NUMBERS = frozenset(number for first, last in _KNOWN_RANGES for number in range(first, last + 1))
 
 _CONSTANTS = {"TRUE": 1.0, "FALSE": 0.0, "PI": 3.141592653589793}
 _CONTROLS = {control.value: control for control in Control}
 _ONCE = {
     WordKind.RADIUS: "R",
     WordKind.FEED: "F",
+    WordKind.END_FEED: "E",
     WordKind.SPEED: "S",
     WordKind.TOOL: "T",
+    WordKind.TOOL_DATA: "D",
     WordKind.DWELL: "G04",
+    WordKind.RETURN: "M17",
 }
+_ADDRESSES = {
+    "FEED": WordKind.FEED,
+    "END_FEED": WordKind.END_FEED,
+    "TOOL": WordKind.TOOL,
+    "TOOL_DATA": WordKind.TOOL_DATA,
+}
+_NEUTRAL_AXES = "XYZ"
+_NEUTRAL_LETTERS = "IJK"
 
 
 def _column(token: Token) -> int:
     return token.column or 0
 
 
+class _Path:
+    """A variable or parameter of the text: its path with [] for indices, the indices, and where it stands."""
+
+    __slots__ = ("column", "indices", "number", "path")
+
+    def __init__(
+        self, path: str, indices: tuple[Expression, ...], column: int, number: Expression | None = None
+    ) -> None:
+        self.path = path
+        self.indices = indices
+        self.column = column
+        self.number = number  # of a P parameter without indices, as source
+
+
 @v_args(inline=True)
 class _Builder(Transformer[Token, ParsedBlock]):
-    """Called by the parser bottom-up while it reduces; nothing is kept between blocks. `addresses` resolves names."""
+    """Called by the parser bottom-up while it reduces; nothing is kept between blocks.
+
+    `addresses` and `environment`, set before each block, resolve names.
+    """
+
+    environment: Environment
 
     def __init__(self, addresses: Addresses) -> None:
         super().__init__()
@@ -57,6 +113,9 @@ class _Builder(Transformer[Token, ParsedBlock]):
     def based_literal(self, token: Token) -> Expression:
         return expressions.based_literal(token, _column(token))
 
+    def text(self, token: Token) -> Expression:
+        return expressions.text(unquoted(token))
+
     def constant(self, token: Token) -> Expression:
         value = _CONSTANTS[token.upper()]
         return Expression(repr(value), constant=value)
@@ -68,182 +127,370 @@ class _Builder(Transformer[Token, ParsedBlock]):
         return expressions.signed(operator, operand, _column(operator))
 
     def call(self, name: Token, *arguments: Expression) -> Expression:
+        if name.upper() in ("MACRO_LENGTH", "MACRO_CONTENT"):
+            kind = ValueKind.NUMBER if name.upper() == "MACRO_LENGTH" else ValueKind.STRING
+            if len(arguments) != 1:
+                raise LineError(
+                    catalogue.FUNCTION_ARGUMENTS, _column(name), function=name.upper(), expected=1, given=len(arguments)
+                )
+            return expressions.named_call(name.lower(), arguments, _column(name), kind)
         return expressions.call(name, arguments, _column(name))
 
-    def parameter(self, token: Token) -> Expression:
+    def index(self, value: Expression) -> Expression:
+        return value
+
+    def parameter(self, token: Token, *indices: Expression) -> _Path:
         """P12 → "12"; PP12 → the number that stands in P12."""
         levels = len(token) - len(token.lstrip("Pp"))
         number = int(token[levels:])
         if not 1 <= number <= MAX_PARAMETER:
             raise LineError(catalogue.PARAMETER_INDEX, _column(token), value=float(number))
-        source = Expression(str(number))
+        source = Expression(str(number), constant=float(number))
+        return self._parameter(source, levels, indices, _column(token))
+
+    def parameter_computed(self, opening: Token, number: Expression, *indices: Expression) -> _Path:
+        source = expressions.parameter(expressions.number(number, "P[", _column(opening)), _column(opening))
+        return self._parameter(source, len(opening) - 1, indices, _column(opening))
+
+    def _parameter(self, source: Expression, levels: int, indices: tuple[Expression, ...], column: int) -> _Path:
         for _ in range(levels - 1):
-            source = expressions.parameter(expressions.read(source.source, source.depth), _column(token))
-        return source
+            source = expressions.parameter(expressions.read(source.source, source.depth, source.flush), column)
+        if indices:
+            return _Path("P[]" + "[]" * len(indices), (source, *indices), column)
+        return _Path("P", (), column, source)
 
-    def parameter_computed(self, opening: Token, number: Expression) -> Expression:
-        source = expressions.parameter(number, _column(opening))
-        for _ in range(len(opening) - 2):
-            source = expressions.parameter(expressions.read(source.source, source.depth), _column(opening))
-        return source
+    def transfer(self, token: Token) -> _Path:
+        number = Expression(token[2:], constant=float(token[2:]))
+        return _Path("@P[]", (number,), _column(token))
 
-    def read(self, number: Expression) -> Expression:
-        return expressions.read(number.source, number.depth)
+    def transfer_computed(self, opening: Token, number: Expression) -> _Path:
+        return _Path("@P[]", (number,), _column(opening))
 
-    def exists(self, name: Token, number: Expression) -> Expression:
-        return expressions.exists(number, "p", _column(name))
+    def variable(self, name: Token, *rest: Expression | Token) -> _Path:
+        path, indices = str(name), []
+        for part in rest:
+            if isinstance(part, Expression):
+                path += "[]"
+                indices.append(part)
+            else:
+                path += str(part)
+        return _Path(path, tuple(indices), _column(name))
+
+    def read(self, place: _Path) -> Expression:
+        if place.number is not None:
+            return expressions.read(place.number.source, place.number.depth, place.number.flush)
+        access = self.environment.read(place.path, place.column)
+        return expressions.access(access.name, place.indices, place.column, access.kind, access.flush)
+
+    def exists(self, name: Token, place: _Path) -> Expression:
+        if place.number is not None:
+            return expressions.exists(place.number, "p", _column(name))
+        return expressions.access(self.environment.exists(place.path), place.indices, _column(name))
 
     def exists_function(self, name: Token, letter: Token, number: Expression) -> Expression:
         rounded = Expression(f"round_half_up({number.source})", depth=number.depth + 1)
         return expressions.exists(rounded, "known_m" if letter.upper() == "M" else "known_h", _column(name))
 
+    def exists_macro(self, name: Token, macro: Token) -> Expression:
+        return Expression(f"(1.0 if macro({unquoted(macro)!r}) is not None else 0.0)")
+
+    def size(self, name: Token, place: _Path, dimension: Expression | None) -> Expression:
+        path, given = place.path, ()
+        if place.number is not None:
+            path, given = "P[]", (place.number,)
+        elif path.startswith("P[]"):
+            given = place.indices[:1]
+        wanted = dimension or Expression("1.0", constant=1.0)
+        return expressions.access(self.environment.size(path), (wanted, *given), _column(name))
+
+    def only(self, value: Expression) -> Expression:
+        return value
+
+    def target(self, place: _Path) -> _Path:
+        return place
+
     # -- words
 
     def axis(self, name: Token, value: Expression) -> Word:
+        return Word(WordKind.AXIS, _column(name), self._value(value, name), self._axis(name), name=str(name))
+
+    def _axis(self, name: Token) -> int:
         index = self._addresses.axis(name)
         if index < 0:
             axes = ", ".join(self._addresses.axes)
             raise LineError(catalogue.AXIS_UNKNOWN, _column(name), axis=str(name), axes=axes)
-        return Word(WordKind.AXIS, _column(name), value, index, name=str(name))
+        return index
 
-    def interpolation(self, letter: Token, value: Expression) -> Word:
-        return Word(WordKind.INTERPOLATION, _column(letter), value, "IJK".index(letter.upper()), name=letter.upper())
+    def _value(self, value: Expression, name: Token | str) -> Expression:
+        return expressions.number(value, str(name), _column(name) if isinstance(name, Token) else 0)
 
-    def radius(self, letter: Token, value: Expression) -> Word:
-        return Word(WordKind.RADIUS, _column(letter), value)
-
-    def feed(self, letter: Token, value: Expression) -> Word:
-        return Word(WordKind.FEED, _column(letter), value)
-
-    def speed(self, name: Token, value: Expression) -> Word:
+    def neutral(self, name: Token, value: Expression) -> Word:
+        """@X … @K: the main axes and their circle centres, whatever their names (lines 7536–7562)."""
+        letter, value = name[1:].upper(), self._value(value, name)
+        if letter in _NEUTRAL_AXES:
+            index = _NEUTRAL_AXES.index(letter)
+            if index >= len(self._addresses.axes):
+                raise LineError(
+                    catalogue.AXIS_UNKNOWN, _column(name), axis=str(name), axes=", ".join(self._addresses.axes)
+                )
+            return Word(WordKind.AXIS, _column(name), value, index, name=self._addresses.axes[index])
+        if letter in _NEUTRAL_LETTERS:
+            return Word(WordKind.INTERPOLATION, _column(name), value, _NEUTRAL_LETTERS.index(letter), name=letter)
         self._check_spindle(name)
         return Word(WordKind.SPEED, _column(name), value)
 
-    def tool(self, letter: Token, value: Expression) -> Word:
-        return Word(WordKind.TOOL, _column(letter), value)
+    def interpolation(self, letter: Token, value: Expression) -> Word:
+        index = "IJK".index(letter.upper())
+        return Word(WordKind.INTERPOLATION, _column(letter), self._value(value, letter), index, name=letter.upper())
+
+    def radius(self, letter: Token, value: Expression) -> Word:
+        return Word(WordKind.RADIUS, _column(letter), self._value(value, letter))
+
+    def _plain(self, letter: Token, value: Expression) -> Word:
+        return Word(_ADDRESSES[letter.type], _column(letter), self._value(value, letter))
+
+    feed = end_feed = tool = tool_data = _plain
+
+    def speed(self, name: Token, value: Expression) -> Word:
+        self._check_spindle(name)
+        return Word(WordKind.SPEED, _column(name), self._value(value, name))
 
     def function_word(self, letter: Token, number: Expression, extra: Expression | None) -> Word:
         kind = WordKind.M if letter.upper() == "M" else WordKind.H
-        return Word(kind, _column(letter), number, extra=extra)
+        extra = extra and self._value(extra, letter)
+        return Word(kind, _column(letter), self._value(number, letter), extra=extra)
+
+    def returning(self, token: Token) -> Word:
+        number, inside = token[1:].split("[", 1)
+        return Word(WordKind.RETURN, _column(token), index=int(number), name=inside[:-1])
 
     def g(self, token: Token, value: Expression | None = None) -> Word:
-        number = int(token[1:])
-        return Word(WordKind.G, _column(token), value, number)
+        return Word(WordKind.G, _column(token), value and self._value(value, token), int(token[1:]))
+
+    def g_values(self, token: Token, *values: Expression | None) -> Word:
+        return Word(WordKind.G, _column(token), index=int(token[1:]), values=values, name="[")
 
     def dwell(self, token: Token, value: Expression) -> Word:
-        return Word(WordKind.DWELL, _column(token), value)
+        return Word(WordKind.DWELL, _column(token), self._value(value, token))
 
     def dwell_address(self, token: Token, name: Token, value: Expression) -> Word:
         if name.type in ("SPEED", "SPINDLE_NAME"):
             self._check_spindle(name)
-            return Word(WordKind.DWELL, _column(token), value, 1)
+            return Word(WordKind.DWELL, _column(token), self._value(value, token), 1)
         if name != self._addresses.axes[0]:
             first = self._addresses.axes[0]
             raise LineError(catalogue.DWELL_AXIS, _column(name), axis=first, address=str(name))
-        return Word(WordKind.DWELL, _column(token), value)
+        return Word(WordKind.DWELL, _column(token), self._value(value, token))
 
-    def assignment(self, number: Expression, value: Expression) -> Word:
-        return Word(WordKind.ASSIGNMENT, 0, value, target=number.source)
+    def addition(self, name: Token, value: Expression) -> Word:
+        return Word(WordKind.ADDITION, _column(name), self._value(value, name), name=name[1:].upper())
+
+    def assignment(self, place: _Path, value: Expression) -> Word:
+        return Word(WordKind.ASSIGNMENT, place.column, value, target=self._written(place), name=place.path)
+
+    def assignment_changed(self, place: _Path, operator: Token, value: Expression) -> Word:
+        """V.G.NP[1].ALL += …"""
+        return self.assignment(place, expressions.binary(self.read(place), operator[0], value, _column(operator)))
+
+    def _written(self, place: _Path) -> str:
+        """The source of a write access, `{}` where the value stands."""
+        if place.number is not None:
+            return place.number.source
+        access: Access = self.environment.write(place.path, place.column)
+        indices = "".join(f", {expressions.number(index, 'index', place.column).source}" for index in place.indices)
+        return f"{access.name}({{}}{indices})"
+
+    def list(self, *values: Expression) -> tuple[Expression, ...]:
+        return tuple(value for value in values if isinstance(value, Expression))
+
+    def type(self, name: Token, size: Token | None = None) -> str:
+        return name.upper() if size is None else f"{name.upper()}[{int(float(size))}]"
+
+    def declaration(self, place: _Path, values: tuple[Expression, ...] = ()) -> Word:
+        return self._declared(place, "", values)
+
+    def typed(self, place: _Path, name: str, values: tuple[Expression, ...] | Expression = ()) -> Word:
+        return self._declared(place, name, (values,) if isinstance(values, Expression) else values)
+
+    def _declared(self, place: _Path, name: str, values: tuple[Expression, ...]) -> Word:
+        indices = (place.number,) if place.number is not None else place.indices
+        return Word(WordKind.DECLARATION, place.column, target=name, name=place.path, values=values, indices=indices)
 
     def call_local(self, token: Token) -> Word:
-        return self._call(WordKind.CALL_LOCAL, token, token[2:].strip())
+        return Word(WordKind.CALL_LOCAL, _column(token), name=token[2:].strip())
 
     def call_global(self, token: Token) -> Word:
-        return self._call(WordKind.CALL_GLOBAL, token, token[1:].strip())
-
-    def _call(self, kind: WordKind, token: Token, name: str) -> Word:
-        if name.upper() in ("CYCLE", "SEQUENCE"):
-            what = f"{token[:2].strip()} {name.upper()}"
-            raise LineError(catalogue.NOT_SUPPORTED, _column(token), what=what)
-        if name.upper().startswith("V."):
-            raise LineError(catalogue.NOT_SUPPORTED, _column(token), what=f"call by variable {name}")
-        return Word(kind, _column(token), name=name)
+        return Word(WordKind.CALL_GLOBAL, _column(token), name=token[1:].strip())
 
     def _check_spindle(self, name: Token) -> None:
         spindles = self._addresses.spindles
         if not spindles:
             raise LineError(catalogue.SPINDLE_MISSING, _column(name), word=str(name))
-        if len(name) > 1 and name != spindles[0]:
+        if len(name) > 1 and name[0] != "@" and name != spindles[0]:
             raise LineError(catalogue.SPINDLE_UNKNOWN, _column(name), spindle=str(name), spindles=", ".join(spindles))
 
-    # -- control statements and blocks
+    # -- jumps, control statements, blocks
 
-    def condition(self, token: Token, value: Expression) -> ControlStatement:
-        return ControlStatement(_CONTROLS[token.upper()], _column(token), (value,))
+    def goto_number(self, token: Token, _: Token, number: Expression) -> Word:
+        return Word(WordKind.GOTO, _column(token), self._value(number, "N"))
+
+    def goto_label(self, token: Token, label: Token) -> Word:
+        return Word(WordKind.GOTO, _column(token), name=label[1:-1].strip().upper())
+
+    def goto_variable(self, token: Token, place: _Path) -> Word:
+        return Word(WordKind.GOTO, _column(token), expressions.string(self.read(place), "$GOTO", _column(token)))
+
+    def condition(self, token: Token, value: Expression, goto: Word | None = None) -> ControlStatement:
+        return ControlStatement(_CONTROLS[token.upper()], _column(token), (self._value(value, token),), goto=goto)
+
+    def assigned_switch(self, token: Token, place: _Path, value: Expression) -> ControlStatement:
+        """$SWITCH P1=…: assigns and branches by what was assigned."""
+        return ControlStatement(
+            Control.SWITCH, _column(token), (self._value(value, token),), target=self._written(place)
+        )
 
     def counting(
-        self, token: Token, counter: Expression, start: Expression, end: Expression, step: Expression
+        self, token: Token, place: _Path, start: Expression, end: Expression, step: Expression
     ) -> ControlStatement:
-        return ControlStatement(Control.FOR, _column(token), (start, end, step), counter.source)
+        parts = tuple(self._value(part, token) for part in (start, end, step))
+        written = self._written(place)
+        counter = self._value(self.read(place), token)
+        return ControlStatement(Control.FOR, _column(token), parts, written, counter)
 
     def plain_control(self, token: Token) -> ControlStatement:
         return ControlStatement(_CONTROLS[token.upper()], _column(token))
 
-    def number(self, _: Token, value: Expression) -> Expression:
-        return value
+    def number(self, letter: Token, value: Expression, _: Token | None) -> Expression:
+        return self._value(value, letter)
 
-    def block(self, skip: Token | None, number: Expression | None, *rest: Word | ControlStatement) -> ParsedBlock:
+    def head(self, skip: Token | None, number: Expression | None, label: Token | None) -> ParsedBlock:
         level = 0
         if skip is not None:
             level = int(skip[1:].strip() or 1)
             if not 1 <= level <= SKIP_LEVELS:
                 raise LineError(catalogue.SKIP_LEVEL, _column(skip), level=level)
-        if rest and isinstance(rest[0], ControlStatement):
-            return ParsedBlock((), rest[0], number, level)
+        return ParsedBlock(number=number, skip_level=level, label=label[1:-1].strip().upper() if label else "")
+
+    def block(
+        self, skip: Token | None, number: Expression | None, label: Token | None, *rest: Word | ControlStatement | None
+    ) -> ParsedBlock:
+        head = self.head(skip, number, label)
+        control = next((part for part in rest if isinstance(part, ControlStatement)), None)
         words = tuple(word for word in rest if isinstance(word, Word))
-        return ParsedBlock(words, None, number, level)
+        return ParsedBlock(words, control, None, head.number, head.skip_level, head.label)
+
+
+def unquoted(token: str) -> str:
+    """The text between quotes, with \\" and \\\\ as the characters they stand for."""
+    return re.sub(r"\\(.)", r"\1", token[1:-1])
 
 
 class BlockParser:
     """Parses blocks for one channel. `parse` raises LineError."""
 
-    def __init__(self, addresses: Addresses) -> None:
-        self._addresses = addresses
+    def __init__(self, addresses: Addresses, vocabulary: Vocabulary) -> None:
+        self.addresses = addresses
+        self.vocabulary = vocabulary
+        self._builder = _Builder(addresses)
         grammar = resources.files("runtime.cnc.language.isg").joinpath("block.lark").read_text(encoding="utf-8")
         self._lark = Lark(
             grammar,
             parser="lalr",
             lexer="contextual",
-            start="block",
+            start=["block", "head", "only", "target"],
             maybe_placeholders=True,
-            transformer=_Builder(addresses),
+            transformer=self._builder,
             cache=str(CACHE.folder / GRAMMAR_TABLES),
         )
+        self._statements = StatementParser(self, vocabulary)
 
-    def parse(self, text: str) -> ParsedBlock:
+    @property
+    def environment(self) -> Environment:
+        return self._builder.environment
+
+    def parse(self, text: str, environment: Environment) -> ParsedBlock:
         """A line of the file (without its end) as a block; comments may stand in it."""
         if len(text) > MAX_BLOCK:
             raise LineError(catalogue.BLOCK_TOO_LONG, MAX_BLOCK + 1, limit=MAX_BLOCK)
+        self._builder.environment = environment
         blanked = blank_comments(text)
-        parsed = numeric_block(blanked, self._addresses) or self.by_grammar(blanked)
+        parsed = numeric_block(blanked, self.addresses) or self.by_grammar(blanked)
         if parsed.words:
-            check_words(parsed.words, self._addresses)
+            check_words(parsed.words, self.addresses, self.vocabulary)
         return parsed
 
     def by_grammar(self, blanked: str) -> ParsedBlock:
-        """The block by the grammar alone, without the rules between its words."""
-        try:
-            parsed = self._lark.parse(blanked)
-        except UnexpectedInput as error:
-            raise explain(blanked, error, self._addresses) from None
+        """The block by the grammars alone, without the rules between its words."""
+        macros: tuple[tuple[str, str], ...] = ()
+        if '"' in blanked:
+            macros, blanked = define_and_replace(blanked, self.environment)
+        at = statement_at(blanked)
+        if at is not None:
+            head = self._by_lark(blanked[: at.start], "head")
+            assert isinstance(head, ParsedBlock)
+            statement = self._statements.parse(blanked, at)
+            return ParsedBlock((), None, statement, head.number, head.skip_level, head.label, macros)
+        blanked, beside = beside_words(blanked)
+        addition: ParsedStatement | None = None
+        if beside is not None:
+            addition = self._statements.parse(beside.text, beside.at)
+        parsed = self._by_lark(blanked, "block")
         assert isinstance(parsed, ParsedBlock)
+        if macros or addition is not None:
+            return ParsedBlock(
+                parsed.words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
+            )
         return parsed
+
+    def expression(self, text: str, column: int) -> Expression:
+        """An expression alone; `column` is the place of its first character in the block."""
+        parsed = self._by_lark(" " * (column - 1) + text, "only")
+        assert isinstance(parsed, Expression)
+        return parsed
+
+    def place(self, text: str, column: int) -> _Path:
+        """A parameter or variable alone."""
+        parsed = self._by_lark(" " * (column - 1) + text, "target")
+        assert isinstance(parsed, _Path)
+        return parsed
+
+    def written(self, text: str, column: int) -> str:
+        """The source of a write access to a parameter or variable, `{}` where the value stands."""
+        place = self.place(text, column)
+        source = self._builder._written(place)
+        return f"set_parameter({source}, {{}})" if place.number is not None else source
+
+    def _by_lark(self, blanked: str, start: str) -> object:
+        try:
+            return self._lark.parse(blanked, start=start)
+        except UnexpectedInput as error:
+            raise explain(blanked, error, self.addresses) from None
 
 
 @cache
-def block_parser(addresses: Addresses) -> BlockParser:
+def _block_parser(addresses: Addresses, key: int) -> BlockParser:
+    return BlockParser(addresses, _vocabularies[key])
+
+
+_vocabularies: dict[int, Vocabulary] = {}
+
+
+def block_parser(addresses: Addresses, vocabulary: Vocabulary) -> BlockParser:
     """The parser of a channel; building one costs some time (tables from the disk: 20 ms, new ones: 200 ms), so it is kept."""
-    return BlockParser(addresses)
+    _vocabularies[id(vocabulary)] = vocabulary
+    return _block_parser(addresses, id(vocabulary))
 
 
-def check_words(words: tuple[Word, ...], addresses: Addresses) -> None:
+def check_words(words: tuple[Word, ...], addresses: Addresses, vocabulary: Vocabulary) -> None:
     """The rules between the words of a block; raises LineError."""
-    seen: set[tuple[WordKind, int]] = set()
-    groups: dict[object, GFunction] = {}
+    seen: set[tuple[WordKind, int | str]] = set()
+    groups: dict[object, GSyntax] = {}
     spindle_m = -1
     for word in words:
         if word.kind is WordKind.G:
-            function = _g_function(word)
+            function = _g_function(word, vocabulary)
+            if function.group is Group.NONE or function.group in vocabulary.repeatable:
+                continue
             other = groups.setdefault(function.group, function)
             if other is not function or (word.kind, word.index) in seen:
                 raise LineError(
@@ -254,8 +501,10 @@ def check_words(words: tuple[Word, ...], addresses: Addresses) -> None:
                     group=function.group.value,
                 )
             seen.add((word.kind, word.index))
-        elif word.kind in (WordKind.AXIS, WordKind.INTERPOLATION) or word.kind in _ONCE:
-            key = (word.kind, 0 if word.kind is WordKind.DWELL else word.index)
+        elif word.kind in (WordKind.AXIS, WordKind.INTERPOLATION, WordKind.ADDITION) or word.kind in _ONCE:
+            key = (word.kind, word.name if word.kind is WordKind.ADDITION else word.index)
+            if word.kind is WordKind.DWELL:
+                key = (word.kind, 0)
             if key in seen:
                 raise LineError(catalogue.WORD_TWICE, word.column, address=word.name or _ONCE[word.kind])
             seen.add(key)
@@ -291,18 +540,20 @@ def check_function(word: Word, value: float, addresses: Addresses) -> int:
     if number in SPINDLE_M:
         if not addresses.spindles:
             raise LineError(catalogue.SPINDLE_MISSING, word.column, word=f"M{number}")
-    elif number not in addresses.m and number not in INTERNAL_M:
+    elif number != TOOL_CHANGE_M and number not in addresses.m and number not in INTERNAL_M:
         raise LineError(catalogue.M_UNDEFINED, word.column, number=number)
     return number
 
 
-def _g_function(word: Word) -> GFunction:
-    function = G_FUNCTIONS.get(word.index)
+def _g_function(word: Word, vocabulary: Vocabulary) -> GSyntax:
+    function = vocabulary.g.get(word.index)
     if function is None:
         entry = catalogue.G_UNSUPPORTED if word.index in G_NUMBERS else catalogue.G_UNKNOWN
         raise LineError(entry, word.column, number=word.index)
-    if function.value and word.value is None:
+    if word.name == "[" and function.values is not Values.BRACKETS:
+        raise LineError(catalogue.G_VALUE, word.column, number=word.index)
+    if function.values is Values.EQUALS and word.value is None:
         raise LineError(catalogue.G_VALUE_MISSING, word.column, number=word.index)
-    if not function.value and word.value is not None:
+    if function.values not in (Values.EQUALS, Values.OPTIONAL) and word.value is not None:
         raise LineError(catalogue.G_VALUE, word.column, number=word.index)
     return function

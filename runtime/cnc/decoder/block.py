@@ -1,0 +1,294 @@
+"""One block of words: G functions, feed and speeds, motion, functions, and what comes last.
+
+The order of the words in the text has no influence (programming manual line 1113); what is done here in which order is the order
+of the control:
+
+    macros, assignments ─ G functions ─ F E S T D ─ functions before the motion ─ motion ─ functions behind it ─ call or jump
+"""
+
+from __future__ import annotations
+
+import math
+
+from runtime.cnc.blocks import BlockEnd, Source, Stop
+from runtime.cnc.decoder import additions, cycles
+from runtime.cnc.decoder.declarations import declare
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.flow import Flow
+from runtime.cnc.decoder.frames import Frame, Level, Modal
+from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
+from runtime.cnc.decoder.modal import FeedMode, Motion
+from runtime.cnc.decoder.motion import INCH, POSITION_LIMIT, dwell, move
+from runtime.cnc.decoder.technology import Functions, functions_of
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
+from runtime.cnc.language.isg.index import Unit
+from runtime.cnc.language.isg.macros import check_content
+from runtime.cnc.language.isg.words import WordKind
+from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.errors import Problem
+
+SUBPROGRAM_END = (17, 29)
+
+
+class WordBlocks:
+    """Executes blocks of one execution. Raises LineError, CircleError and CalculationError."""
+
+    def __init__(self, execution: Execution, flow: Flow) -> None:
+        self._x = execution
+        self._flow = flow
+
+    # ------------------------------------------------------------------ program start and end
+
+    def begin_program(self) -> None:
+        """The configured program that every program start begins with (P-CHAN-00119)."""
+        name = self._x.setup.start_program
+        if name:
+            unit, section = self._flow.program(self._x.frame, False, name, 1)
+            self._flow.enter(unit, section, name, 1, Level.START)
+
+    def define_macro(self, name: str, content: str) -> None:
+        """A macro definition of the block."""
+        x = self._x
+        limits = x.setup.limits
+        for what, size, most in (
+            ("the name", len(name), limits.macro_name),
+            ("the content", len(content), limits.macro_content),
+            ("the number of macros", len(x.memory.macros) + (name not in x.memory.macros), limits.macros),
+        ):
+            if size > most:
+                raise LineError(catalogue.MACRO_LIMIT, 1, name=name, what=what, limit=most)
+        check_content(name, content, 1)
+        x.memory.define_macro(name, content)
+
+    # ------------------------------------------------------------------ the fast road
+
+    def simple(self, block: CompiledBlock, values: Values, unit: Unit, number: int) -> bool:
+        """A straight move and nothing else; False if the block needs the long road after all."""
+        x = self._x
+        modal, coordinates = x.modal, x.coordinates
+        motion = modal.motion if block.motion < 0 else block.motion
+        feed = modal.feeds.get(FeedMode.PER_MINUTE)
+        if block.feed >= 0:
+            feed = values[block.feed] * (INCH if modal.inch else 1.0)
+            if not 0 < feed < math.inf:
+                return False
+        if motion > 1 or (motion == 1 and not feed) or x.frames[-1].modal is not None:
+            return False
+        end = coordinates.position.copy()
+        gain, shift, incremental = coordinates.gain, coordinates.shift, modal.incremental
+        inch, linear = modal.inch, x.setup.linear
+        for axis, slot in block.axes:
+            value = values[slot]
+            if inch and linear[axis]:
+                value *= INCH
+            place = value * gain[axis] + (end[axis] if incremental else shift[axis])
+            if not (-POSITION_LIMIT <= place <= POSITION_LIMIT and -POSITION_LIMIT <= value <= POSITION_LIMIT):
+                return False
+            end[axis] = place
+        modal.motion = Motion.LINEAR if motion else Motion.RAPID
+        if feed:
+            modal.feeds[FeedMode.PER_MINUTE] = feed
+        if x.source.program is not unit.name:
+            x.source = Source(unit.name, block.source.line, None if number < 0 else number)
+        x.straight(end, feed if motion and feed else math.inf, block.source.line, number)
+        return True
+
+    # ------------------------------------------------------------------ the long road
+
+    def execute(self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values) -> None:
+        """A block of words or a # statement."""
+        x = self._x
+        if block.statement is not None:
+            slots = block.statement
+            STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
+            if x.again is None:
+                self.after_block(False)
+            return
+        x.axis_words = {axis: values[slot] for axis, slot in block.axes}
+        x.letters = {index: values[slot] for index, slot in block.interpolation}
+        x.additions = {name: values[slot] for name, slot in block.additions}
+        x.axes_taken = False
+        x.incremental_words = {}
+        x.end_feed = None
+        calls = [self._g_call(slots, values) for slots in block.g]
+        self._alone(block, calls)
+        for declaration in block.declarations:
+            declare(x, declaration, values)
+        if x.setup.mixed_dimension:
+            self._mixed_dimension(block)
+        if block.radius >= 0:
+            x.modal.radius = x.length(values[block.radius])
+        if block.beside is not None:
+            slots = block.beside
+            before = slots.statement.syntax.name.startswith("SUPPRESS")
+            if before:
+                STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
+        for call in calls:
+            if not G_FUNCTIONS[call.number].last:
+                G_FUNCTIONS[call.number].handler(x, call)
+        self._feeds(block, values)
+        self._motion_and_functions(frame, entry, block, values, calls)
+        x.coordinates.suppressed = {}
+
+    def _motion_and_functions(
+        self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values, calls: list[GCall]
+    ) -> None:
+        x = self._x
+        functions = functions_of(block, values, x)
+        for before in functions.leading():
+            x.emit(before)
+        motion = self._motion(block, values)
+        for behind in functions.trailing():
+            x.emit(behind)
+        if block.beside is not None and not block.beside.statement.syntax.name.startswith("SUPPRESS"):
+            STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))
+        for kind in functions.stops:
+            x.emit(Stop(x.source, kind))
+        last = [call for call in calls if G_FUNCTIONS[call.number].last]
+        current = x.frames[-1]
+        if motion:
+            x.emit(BlockEnd(x.source))
+        called = self._last_actions(current, entry if frame is not None else -1, block, values, functions, last)
+        if not called:
+            self.after_block(motion)
+
+    def _motion(self, block: CompiledBlock, values: Values) -> bool:
+        """The motion of the block; whether there is any."""
+        x = self._x
+        if block.dwell >= 0:
+            dwell(x, block, values)
+            return True
+        if x.axes_taken or not (block.axes or block.interpolation or x.additions):
+            return False
+        corner = additions.corner_of(x, block)
+        if additions.contour_line(x, block, corner) or additions.arc_by_angle(x, block, corner):
+            return True
+        if not (block.axes or block.interpolation):
+            if corner is not None:
+                raise LineError(catalogue.CORNER_WITHOUT_MOTION, block.column(WordKind.ADDITION))
+            return False
+        move(x, block, corner)
+        return True
+
+    def _last_actions(
+        self,
+        frame: Frame,
+        entry: int,
+        block: CompiledBlock,
+        values: Values,
+        functions: Functions,
+        last: list[GCall],
+    ) -> bool:
+        """What a block does when everything else is done: program end, return, call, jump. Whether there was any."""
+        x = self._x
+        if functions.ending >= 0:
+            self._end(functions.ending, block)
+        elif block.returning is not None:
+            cycles.parametrised_return(x, self._flow, block)
+        elif block.call is not None:
+            self._flow.call(frame, block.call)
+        elif functions.tool_change and self.file_of("M6"):
+            self._call_file("M6", "M6", block.column(WordKind.M))
+        elif last:
+            for call in last:
+                G_FUNCTIONS[call.number].handler(x, call)
+        elif block.tool_data >= 0 and self.file_of("D"):
+            self._call_file("D", "D", block.column(WordKind.TOOL_DATA))
+        elif block.goto is not None:
+            self._flow.jump(frame, entry, block, block.goto, values)
+        else:
+            return False
+        return True
+
+    def _end(self, number: int, block: CompiledBlock) -> None:
+        """M17, M29: back to the caller. M02, M30, or M17 in the main program: the end of the program."""
+        x = self._x
+        if number in SUBPROGRAM_END and len(x.frames) > 1:
+            self._flow.leave()
+            return
+        if len(x.frames) > 1 and number not in SUBPROGRAM_END and x.frame.level is not Level.FINAL:
+            name = x.frame.section.name or x.unit.name
+            place = x.unit.place(*x.place(block.column(WordKind.M)))
+            x.warnings.append(Problem(catalogue.END_IN_SUBPROGRAM, {"number": number, "name": name}, place))
+        final = x.setup.final_program
+        if final and x.frame.level is not Level.FINAL:
+            unit, section = self._flow.program(x.frame, False, final, block.column(WordKind.M))
+            frame = self._flow.enter(unit, section, final, 1, Level.FINAL)
+            x.frames[:] = [frame]  # when it is over nothing is left: that is the end of the program
+            return
+        self._flow.end_program()
+
+    def file_of(self, function: str) -> str:
+        """The program that M6, D or a G number calls: of #FILE NAME, else configured; "" for none."""
+        named: dict[str, str] = self._x.state.get("file names", {})
+        if function in named:
+            return named[function]
+        setup = self._x.setup
+        return {"M6": setup.tool_change_program, "D": setup.tool_data_program}.get(function, "")
+
+    def _call_file(self, function: str, word: str, column: int) -> None:
+        name = self.file_of(function)
+        unit, section = self._flow.program(self._x.frame, False, name, column)
+        self._flow.enter(unit, section, name, column)
+
+    # ------------------------------------------------------------------ parts
+
+    def _g_call(self, slots: GSlots, values: Values) -> GCall:
+        word = slots.word
+        value = values[slots.value] if slots.value >= 0 else None
+        given = tuple(values[slot] if slot >= 0 else None for slot in slots.values)
+        return GCall(word.index, word.column, value, given, word.name == "[")
+
+    def _alone(self, block: CompiledBlock, calls: list[GCall]) -> None:
+        """Functions that tolerate nothing beside them but their arguments."""
+        for call in calls:
+            if G_FUNCTIONS[call.number].syntax.alone and any(
+                word.kind not in (WordKind.G, WordKind.AXIS) for word in block.words
+            ):
+                raise LineError(catalogue.NOT_ALONE, call.column, word=f"G{call.number}")
+
+    def _mixed_dimension(self, block: CompiledBlock) -> None:
+        """G90 and G91 hold for the coordinates right of them (P-CHAN-00116)."""
+        x = self._x
+        state = x.modal.incremental
+        for word in block.words:
+            if word.kind is WordKind.G and word.index in (90, 91):
+                state = word.index == 91
+            elif word.kind is WordKind.AXIS:
+                x.incremental_words[word.index] = state
+
+    def _feeds(self, block: CompiledBlock, values: Values) -> None:
+        x, modal = self._x, self._x.modal
+        if block.feed >= 0:
+            value = values[block.feed]
+            inch = modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION)
+            feed = value * (INCH if inch else 1.0)
+            if modal.feed_mode is FeedMode.PER_MINUTE:
+                feed *= x.setup.feed_factor
+            if not 0 <= feed < math.inf:
+                raise LineError(catalogue.FEED_INVALID, block.column(WordKind.FEED), value=value)
+            if modal.feed_mode is FeedMode.PERCENT and feed >= 100:
+                raise LineError(catalogue.FEED_PERCENT, block.column(WordKind.FEED), value=value)
+            modal.feed = feed
+        if block.end_feed >= 0:
+            value = values[block.end_feed]
+            if modal.feed_mode is not FeedMode.PER_MINUTE:
+                raise LineError(catalogue.END_FEED_MODE, block.column(WordKind.END_FEED))
+            if not 0 <= value < math.inf:
+                raise LineError(catalogue.FEED_INVALID, block.column(WordKind.END_FEED), value=value)
+            x.end_feed = value * (INCH if modal.inch else 1.0) * x.setup.feed_factor
+        if block.tool_data >= 0:
+            value = values[block.tool_data]
+            if round(value) != 0:
+                raise LineError(catalogue.ADDRESS_UNSUPPORTED, block.column(WordKind.TOOL_DATA), address="D")
+
+    def after_block(self, motion: bool) -> None:
+        """A modal cycle of this level runs again."""
+        x = self._x
+        if not x.frames:
+            return
+        modal: Modal | None = x.frames[-1].modal
+        if modal is None or (modal.after_motion and not motion):
+            return
+        cycles.call_modal(x, self._flow, modal)

@@ -1,0 +1,163 @@
+"""Programmed coordinates → machine coordinates: scale, rotation, mirroring, offsets (programming manual 1991–2076).
+
+    programmed ─ scale ─ rotation in the plane ─ mirror ─ + offsets ─▶ machine
+
+Selecting any of them moves no axis: it acts with the next word of the axis. An incremental word adds its way, so a new offset
+is only taken up by the next absolute word. Lengths in mm and degrees, lists of n axes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from runtime.cnc.blocks import Floats
+
+
+@dataclass(slots=True)
+class Rotation:
+    """Contour rotation: `angle` in degrees in the plane of two axes, about the programmed zero, shifted to `centre`."""
+
+    plane: tuple[int, int]
+    angle: float
+    centre: tuple[float, float]
+
+    def turned(self, first: float, second: float) -> tuple[float, float]:
+        """A way in the plane, turned."""
+        c, s = math.cos(math.radians(self.angle)), math.sin(math.radians(self.angle))
+        return first * c - second * s, first * s + second * c
+
+    def back(self, first: float, second: float) -> tuple[float, float]:
+        """The way that is turned into this one."""
+        c, s = math.cos(math.radians(self.angle)), math.sin(math.radians(self.angle))
+        return first * c + second * s, -first * s + second * c
+
+
+@dataclass(slots=True)
+class Offsets:
+    """The linear offsets by kind, (n,) each: zero offset, reference point (G92), preset, clamp, tool, measuring, manual."""
+
+    zero: list[float]
+    reference: list[float]
+    preset: list[float]
+    clamp: list[float]
+    tool: list[float]
+    measuring: list[float]
+
+    @classmethod
+    def none(cls, axes: int) -> Offsets:
+        return cls(*([0.0] * axes for _ in range(6)))
+
+
+@dataclass(slots=True)
+class Coordinates:
+    """The position of the decoder and everything between programmed and machine coordinates.
+
+    `position`: end of the last decoded motion in machine coordinates. After any change of the other fields `update` has to be
+    called; `gain` and `shift` are what it makes of them: machine = programmed · gain + shift, as long as no rotation is active.
+    `travelled` are gain and shift of the last motion, which give its programmed coordinates.
+    """
+
+    position: list[float]
+    offsets: Offsets
+    mirror_plane: list[float]  # +1 or -1 by G21…G23
+    mirror_axis: list[float]  # +1 or -1 by G351
+    scale: list[float]
+    scale_active: bool = False
+    rotation: Rotation | None = None
+    gain: list[float] = field(default_factory=list)
+    shift: list[float] = field(default_factory=list)
+    travelled: tuple[list[float], list[float]] = ([], [])
+    last_rotation: Rotation | None = None
+    suppressed: Mapping[int, list[float]] = field(default_factory=dict)  # axis → shift of this block
+
+    @classmethod
+    def at(cls, position: Floats) -> Coordinates:
+        """At a machine position, nothing selected."""
+        n = len(position)
+        made = cls([float(p) for p in position], Offsets.none(n), [1.0] * n, [1.0] * n, [1.0] * n)
+        made.update()
+        made.travelled = (made.gain, made.shift)
+        return made
+
+    @property
+    def plain(self) -> bool:
+        """Machine = programmed + shift for every axis by itself: the fast roads may be taken."""
+        return self.rotation is None
+
+    @property
+    def unit_gain(self) -> bool:
+        """Neither mirrored nor scaled."""
+        return all(g == 1.0 for g in self.gain)
+
+    def update(self) -> None:
+        """Make gain and shift anew; new lists, so that whoever kept the old ones keeps them as they were."""
+        o = self.offsets
+        scale = self.scale if self.scale_active else [1.0] * len(self.position)
+        axes = range(len(self.position))
+        self.gain = [scale[i] * self.mirror_plane[i] * self.mirror_axis[i] for i in axes]
+        self.shift = [
+            o.zero[i] + o.reference[i] * self.mirror_axis[i] + o.preset[i] + o.clamp[i] + o.tool[i] + o.measuring[i]
+            for i in axes
+        ]
+
+    def target(self, words: Mapping[int, float], incremental: Mapping[int, bool] | bool) -> list[float]:
+        """Machine position after a move to the programmed words (axis → mm or degrees, inch already converted)."""
+        end = self.position.copy()
+        plane = self.rotation.plane if self.rotation is not None else ()
+        for axis, value in words.items():
+            if axis in plane:
+                continue
+            relative = incremental if isinstance(incremental, bool) else incremental.get(axis, False)
+            step = value * self.gain[axis]
+            end[axis] = end[axis] + step if relative else step + self.shift[axis]
+        if self.rotation is not None and any(axis in words for axis in plane):
+            self._rotated(end, words, incremental, self.rotation)
+        return end
+
+    def _rotated(
+        self, end: list[float], words: Mapping[int, float], incremental: Mapping[int, bool] | bool, rotation: Rotation
+    ) -> None:
+        """Targets of the two axes of a rotated plane; a coordinate that is not programmed stays what it is there."""
+        first, second = rotation.plane
+        now = self.programmed_in_plane(rotation)
+        wanted = list(now)
+        for place, axis in enumerate(rotation.plane):
+            if axis in words:
+                relative = incremental if isinstance(incremental, bool) else incremental.get(axis, False)
+                scale = self.scale[axis] if self.scale_active else 1.0
+                wanted[place] = words[axis] * scale + (now[place] if relative else 0.0)
+        turned = rotation.turned(*wanted)
+        for place, axis in ((0, first), (1, second)):
+            mirror = self.mirror_plane[axis] * self.mirror_axis[axis]
+            end[axis] = (turned[place] + rotation.centre[place]) * mirror + self.shift[axis]
+
+    def programmed_in_plane(self, rotation: Rotation) -> tuple[float, float]:
+        """Where the machine position lies in the rotated plane, before rotation, scaled."""
+        values = []
+        for place, axis in enumerate(rotation.plane):
+            mirror = self.mirror_plane[axis] * self.mirror_axis[axis]
+            values.append((self.position[axis] - self.shift[axis]) * mirror - rotation.centre[place])
+        return rotation.back(values[0], values[1])
+
+    def direction(self, axis: int) -> float:
+        """Sign and scale of a way along an axis: what I, J, K are multiplied with."""
+        return self.gain[axis]
+
+    def moved(self, end: list[float]) -> None:
+        """A motion was decoded."""
+        self.position = end
+        self.travelled = (self.gain, self.shift)
+        self.last_rotation = self.rotation
+
+    def programmed(self) -> list[float]:
+        """Programmed coordinates of the last motion, mapped onto the machine axes where a rotation is active."""
+        gain, shift = self.travelled
+        return [(p - s) / g for p, g, s in zip(self.position, gain, shift, strict=True)]
+
+    def array(self) -> Floats:
+        """The position as (n,)."""
+        return np.array(self.position)

@@ -1,0 +1,48 @@
+"""Declarations in #VAR … #ENDVAR (programming manual 8108–8146, 21827–21914)."""
+
+from __future__ import annotations
+
+import re
+
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.user_variables import Scope
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.compiler import DeclarationSlots, Values
+from runtime.cnc.language.isg.functions import round_half_up
+from runtime.diagnostics.catalogue import language as catalogue
+
+_USER = re.compile(r"V\.(P|S|L|CYC)\.([^\[\]]+)(?:\[\])*$")
+
+
+def declare(x: Execution, slots: DeclarationSlots, values: Values) -> None:
+    """A declaration of the block. LineError outside #VAR, CalculationError for sizes and values that don't fit."""
+    word = slots.word
+    if not x.declaring:
+        raise LineError(catalogue.DECLARATION_PLACE, word.column, name=word.name.replace("[]", "[..]"))
+    given = [values[slot] for slot in slots.values]
+    indices = tuple(values[slot] for slot in slots.indices)
+    if word.name == "P":
+        if word.target not in ("", "REAL64"):
+            raise LineError(catalogue.TYPE_INVALID, word.column, type=word.target)
+        if len(given) > 1:
+            raise LineError(catalogue.ARRAY_NEEDED, word.column, name="P", given=0)
+        x.parameters[round_half_up(indices[0])] = float(given[0]) if given else 0.0
+        return
+    if word.name.startswith("P[]"):
+        number, *sizes = indices
+        x.parameter_arrays.declare(str(round_half_up(number)), word.target, tuple(sizes), given)
+        return
+    match = _USER.match(word.name)
+    if match is None:
+        hint = "V.P, V.S, V.L, V.CYC and P parameters can be declared"
+        raise LineError(catalogue.VARIABLE_UNKNOWN, word.column, name=word.name, hint=hint)
+    own_scope(x, match.group(1)).declare(match.group(2), word.target, indices, given)
+
+
+def own_scope(x: Execution, kind: str) -> Scope:
+    """The scope in which the current level makes its variables of a class."""
+    if kind == "P":
+        return x.program_scope
+    if kind == "S":
+        return x.memory.static
+    return x.frame.local if kind == "L" else x.frame.cycle

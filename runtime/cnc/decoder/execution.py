@@ -1,0 +1,301 @@
+"""The state of a running program: what G functions, statements and variables read and change.
+
+Handlers get this object. They emit blocks, change the modal state and the coordinates, and ask the outside; the decoder drives
+it from block to block.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from runtime.cnc.blocks import Block, Floats, Polyline, Source
+from runtime.cnc.decoder.coordinates import Coordinates
+from runtime.cnc.decoder.environment import DecoderEnvironment
+from runtime.cnc.decoder.external import ExternalVariables
+from runtime.cnc.decoder.frames import Frame
+from runtime.cnc.decoder.isg.registry import syntaxes
+from runtime.cnc.decoder.memory import ChannelMemory
+from runtime.cnc.decoder.modal import FeedMode, ModalState
+from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.user_variables import Scope
+from runtime.cnc.language.errors import CalculationError, ProgramError
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.compiler import CompiledBlock, Parameters, Values, compile_block
+from runtime.cnc.language.isg.functions import round_half_up
+from runtime.cnc.language.isg.index import BlockText, Unit
+from runtime.cnc.language.isg.macros import MACRO_DEPTH
+from runtime.cnc.language.isg.parser import BlockParser, block_parser
+from runtime.cnc.language.isg.syntax import Group, Vocabulary
+from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.errors import ErrorEntry, Problem
+
+if TYPE_CHECKING:
+    from runtime.cnc.decoder.library import Library
+
+COMPILED_BLOCKS = 20_000  # kept at once, some 3 kB each
+RUN = 256  # straight moves that are handed over together
+_QUOTED = re.compile(r'\\?"((?:\\\\.|[^"\\])*)\\?"')
+
+_vocabularies: dict[bool, Vocabulary] = {}
+
+
+def vocabulary(setup: DecoderSetup) -> Vocabulary:
+    """The words of the dialect as this channel has them (P-CHAN-00116: G90 and G91 mixed in a block)."""
+    mixed = setup.mixed_dimension
+    if mixed not in _vocabularies:
+        repeatable = frozenset({Group.DIMENSION}) if mixed else frozenset()
+        _vocabularies[mixed] = Vocabulary(*syntaxes(), repeatable)
+    return _vocabularies[mixed]
+
+
+class Execution:
+    """One run of one program. Fields are named after what they are; see the classes they hold."""
+
+    def __init__(
+        self,
+        setup: DecoderSetup,
+        memory: ChannelMemory,
+        outside: Outside,
+        library: Library,
+        start: Floats,
+        skip_levels: Callable[[], int],
+    ) -> None:
+        self.setup = setup
+        self.memory = memory
+        self.keep_cycle_changes = setup.keep_cycle_changes  # V.G.CYCLE_CHANGES_MODAL
+        self.outside = outside
+        self.library = library
+        self.skip_levels = skip_levels
+        self.modal = ModalState()
+        if setup.feed > 0:
+            self.modal.feed = setup.feed
+        self.coordinates = Coordinates.at(start)
+        self.parameters = Parameters()
+        self.parameter_arrays = Scope("P", setup.limits.parameters)
+        self.program_scope = Scope("V.P.", setup.limits.program_variables)
+        self.frames: list[Frame] = []
+        self.out: list[Block] = []
+        self.warnings: list[Problem] = []
+        self.declaring = False  # between #VAR and #ENDVAR
+        self.again: str | None = None  # why the block has to be executed once more, after the outside had its turn
+        self.waiting: Any = None  # what a block that is executed again keeps
+        self.source = Source("", 0)
+        self.block: CompiledBlock | None = None
+        self.values: Values = ()
+        self.axis_words: dict[int, float] = {}  # of the block in work, as programmed
+        self.letters: dict[int, float] = {}  # I 0, J 1, K 2 of the block in work
+        self.additions: dict[str, float] = {}  # #ANG … of the block in work
+        self.incremental_words: dict[int, bool] = {}  # where G90 and G91 are mixed in the block
+        self.end_feed: float | None = None  # E of the block in work, mm/min
+        self.fast = True  # straight moves need nothing but gain, shift and feed: see modal_changed
+        self._code: dict[int, dict[int, CompiledBlock]] = {}
+        self.axes_taken = False  # the axis words were arguments of a function
+        self.block_number = 0  # last N
+        self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
+        self.state: dict[str, Any] = {}  # of functions that keep something of their own, by the name of their module
+        self._run: list[list[float]] = []
+        self._run_feeds: list[float] = []
+        self._run_lines: list[int] = []
+        self._run_numbers: list[int] = []
+        self._run_shape: tuple[list[float], list[float]] = ([], [])
+        self._run_program = ""
+        self.vocabulary = vocabulary(setup)
+        self.external = ExternalVariables(setup.external, outside, self)
+        self.environment = DecoderEnvironment(self)
+        self.parser: BlockParser = block_parser(setup.addresses, self.vocabulary)
+
+    # ------------------------------------------------------------------ blocks out
+
+    def emit(self, block: Block) -> None:
+        """Hand over a block, behind the moves that were collected before it."""
+        if self._run_feeds:
+            self.flush_run()
+        self.out.append(block)
+
+    def straight(self, end: list[float], feed: float, line: int, number: int) -> None:
+        """A straight move without any addition: collected, and handed over with others as a polyline."""
+        coordinates = self.coordinates
+        if not self._run_feeds:
+            self._run = [coordinates.position]
+            self._run_shape = (coordinates.gain, coordinates.shift)
+            self._run_program = self.source.program
+        elif self._run_shape[1] is not coordinates.shift or self._run_program is not self.source.program:
+            self.flush_run()
+            self.straight(end, feed, line, number)
+            return
+        self._run.append(end)
+        self._run_feeds.append(feed)
+        self._run_lines.append(line)
+        self._run_numbers.append(number)
+        coordinates.moved(end)
+        if len(self._run_feeds) >= RUN:
+            self.flush_run()
+
+    @property
+    def collected(self) -> int:
+        """Moves that wait to be handed over."""
+        return len(self._run_feeds)
+
+    def flush_run(self) -> None:
+        """Hand over what was collected."""
+        if not self._run_feeds:
+            return
+        gain, shift = self._run_shape
+        self.out.append(
+            Polyline(
+                self._run_program,
+                np.array(self._run),
+                np.array(self._run_feeds),
+                np.array(self._run_lines, dtype=np.int64),
+                np.array(self._run_numbers, dtype=np.int64),
+                np.array(shift),
+                None if all(g == 1.0 for g in gain) else np.array(gain),
+            )
+        )
+        self._run, self._run_feeds, self._run_lines, self._run_numbers = [], [], [], []
+
+    # ------------------------------------------------------------------ compiled blocks
+
+    def compiled(self, unit: Unit, entry: int) -> CompiledBlock:
+        """A block, compiled when it is needed for the first time; ProgramError if it is faulty.
+
+        One with quoted texts is compiled anew when macros have changed.
+        """
+        code = self._code.get(id(unit))
+        if code is None:
+            code = self._code[id(unit)] = {}
+        block = code.get(entry)
+        if block is None or block.macro_version not in (-1, self.memory.macro_version):
+            block = self.compile(unit, unit.block_text(entry))
+            if len(code) >= COMPILED_BLOCKS:
+                code.clear()
+            code[entry] = block
+        return block
+
+    def compile(self, unit: Unit, text: BlockText) -> CompiledBlock:
+        """Compile a block's text; ProgramError if it is faulty."""
+        try:
+            parsed = self.parser.parse(text.text, self.environment)
+            version = self.memory.macro_version if '"' in text.text else -1
+            return compile_block(parsed, text, self.environment.namespace, self.vocabulary, version)
+        except LineError as error:
+            line, column, shown = text.place(error.column)
+            raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
+
+    def modal_changed(self) -> None:
+        """To be called after changes of feed mode or rotation: whether the fast road may be taken."""
+        self.fast = self.modal.feed_mode is FeedMode.PER_MINUTE and self.coordinates.plain
+
+    # ------------------------------------------------------------------ the block in work
+
+    def place(self, column: int) -> tuple[int, int, str]:
+        """Line, column and text of a column of the block in work."""
+        return self.block.source.place(column) if self.block is not None else (self.source.line, column, "")
+
+    @property
+    def frame(self) -> Frame:
+        """The program level in work."""
+        return self.frames[-1]
+
+    @property
+    def unit(self) -> Unit:
+        return self.frames[-1].unit
+
+    def repeat(self, reason: str) -> None:
+        """Execute the block in work once more later: it waits for the outside. Without a machine nobody waits."""
+        if not self.outside.waits_in_vain():
+            self.again = reason
+
+    def warn(self, entry: ErrorEntry, column: int = 1, **values: object) -> None:
+        """A warning at a column of the block in work; the same one at the same place is told once."""
+        place = self.unit.place(*self.place(column))
+        if not any(known.place == place and known.entry is entry for known in self.warnings):
+            self.warnings.append(Problem(entry, values, place))
+
+    def length(self, value: float) -> float:
+        """A programmed length in mm (inch converted)."""
+        return value * 25.4 if self.modal.inch else value
+
+    def axis_value(self, axis: int, value: float) -> float:
+        """A programmed axis value in mm or degrees."""
+        return value * 25.4 if self.modal.inch and self.setup.linear[axis] else value
+
+    def shown(self, axis: int, value: float) -> float:
+        """A value of an axis as the program sees it: inch where inch is selected."""
+        return value / 25.4 if self.modal.inch and self.setup.linear[axis] else value
+
+    def shown_length(self, value: float) -> float:
+        """A length as the program sees it."""
+        return value / 25.4 if self.modal.inch else value
+
+    def arguments(self, number: int, column: int) -> dict[int, float]:
+        """The axis words of the block as arguments of a G function, in mm or degrees; at least one."""
+        if not self.axis_words:
+            raise LineError(catalogue.AXIS_ARGUMENT, column, number=number)
+        self.axes_taken = True
+        return {axis: self.axis_value(axis, value) for axis, value in self.axis_words.items()}
+
+    def raw_arguments(self, number: int, column: int) -> dict[int, float]:
+        """The axis words of the block as plain numbers."""
+        if not self.axis_words:
+            raise LineError(catalogue.AXIS_ARGUMENT, column, number=number)
+        self.axes_taken = True
+        return dict(self.axis_words)
+
+    # ------------------------------------------------------------------ variables of levels
+
+    def local_scope(self, name: str) -> Scope:
+        """The innermost level that has this V.L variable; the current one if none has."""
+        return next((frame.local for frame in reversed(self.frames) if name in frame.local), self.frame.local)
+
+    def cycle_scope(self, name: str) -> Scope:
+        """The innermost level that has this V.CYC variable; the current one if none has."""
+        return next((frame.cycle for frame in reversed(self.frames) if name in frame.cycle), self.frame.cycle)
+
+    def _transfer(self, number: float) -> tuple[dict[int, float | str], int]:
+        index = round_half_up(number)
+        name = f"@P{index}"
+        transfer = next((frame.transfer for frame in reversed(self.frames) if frame.transfer is not None), None)
+        if transfer is None:
+            raise CalculationError(catalogue.TRANSFER_OUTSIDE, name)
+        if not 1 <= index <= 200:
+            raise CalculationError(catalogue.ARRAY_INDEX, "@P", value=number, last=200)
+        return transfer, index
+
+    def read_transfer(self, number: float) -> float | str:
+        """A transfer parameter of the cycle; one that was not given becomes 0, or is an error (P-CHAN-00463)."""
+        transfer, index = self._transfer(number)
+        if index not in transfer:
+            if not self.setup.create_transfer:
+                raise CalculationError(catalogue.TRANSFER_MISSING, f"@P{index}")
+            transfer[index] = 0.0
+        return transfer[index]
+
+    def write_transfer(self, value: float | str, number: float) -> None:
+        transfer, index = self._transfer(number)
+        transfer[index] = value
+
+    def has_transfer(self, number: float) -> float:
+        try:
+            transfer, index = self._transfer(number)
+        except CalculationError:
+            return 0.0
+        return float(index in transfer)
+
+    # ------------------------------------------------------------------ macros
+
+    def expand(self, content: str, depth: int = 0) -> str:
+        """A macro's content with the macros in it replaced by their text, not evaluated."""
+        if depth > MACRO_DEPTH:
+            raise CalculationError(catalogue.MACRO_DEPTH, content, name=content[:20], limit=MACRO_DEPTH)
+
+        def inner(match: re.Match[str]) -> str:
+            found = self.environment.macro(match.group(1))
+            return match.group() if found is None else self.expand(found, depth + 1)
+
+        return _QUOTED.sub(inner, content)

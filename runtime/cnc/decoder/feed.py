@@ -1,0 +1,71 @@
+"""What F means: mm/min, s per block, mm per revolution, or a share of the greatest axis velocity (lines 5260–5287)."""
+
+from __future__ import annotations
+
+import math
+
+from runtime.cnc.decoder.circles import Circle
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.modal import FeedMode
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.compiler import CompiledBlock
+from runtime.cnc.language.isg.words import WordKind
+from runtime.diagnostics.catalogue import language as catalogue
+
+MAIN_AXES = 3
+
+
+def require_feed(x: Execution, block: CompiledBlock) -> None:
+    """LineError if no F of the active mode is programmed, or one that moves nothing."""
+    feed = x.modal.feed
+    if feed is None:
+        column = block.column(WordKind.AXIS if block.axes else WordKind.INTERPOLATION)
+        raise LineError(catalogue.FEED_MISSING, column, motion=int(x.modal.motion))
+    if feed <= 0:
+        raise LineError(catalogue.FEED_INVALID, block.column(WordKind.FEED), value=feed)
+
+
+def feed_of(
+    x: Execution,
+    block: CompiledBlock,
+    start: list[float],
+    end: list[float],
+    arc: tuple[tuple[int, int], Circle] | None,
+) -> float:
+    """The path feed of a move in mm/min (degrees/min if only rotary axes move)."""
+    modal = x.modal
+    feed = modal.feed
+    assert feed is not None
+    if modal.feed_mode is FeedMode.PER_MINUTE:
+        return feed
+    if modal.feed_mode is FeedMode.PER_REVOLUTION:
+        if not modal.speed > 0:
+            raise LineError(catalogue.FEED_SPINDLE, block.column(WordKind.FEED))
+        return feed * modal.speed
+    way = [e - s for s, e in zip(start, end, strict=True)]
+    length = path_length(way, arc)
+    if length <= 0:
+        return 1.0  # nothing moves
+    if modal.feed_mode is FeedMode.TIME:
+        return length / feed * 60.0
+    # G194: one axis of the block runs at this share of its greatest velocity
+    share = feed / 100.0
+    if arc is not None:
+        plane, circle = arc
+        along = abs(math.radians(circle.angle)) * circle.radius
+        for axis in plane:
+            way[axis] = along  # somewhere on an arc both axes may have to run at path velocity
+    times = [
+        abs(way[axis]) / velocity for axis, velocity in enumerate(x.setup.axis_velocity) if velocity > 0 and way[axis]
+    ]
+    return length / max(times) * share * 60.0 if times else feed
+
+
+def path_length(way: list[float], arc: tuple[tuple[int, int], Circle] | None) -> float:
+    """The length that F refers to: along the main axes, or the other axes if no main axis moves."""
+    main, others = way[:MAIN_AXES], way[MAIN_AXES:]
+    if arc is not None:
+        plane, circle = arc
+        rest = [w for axis, w in enumerate(main) if axis not in plane]
+        return math.hypot(abs(math.radians(circle.angle)) * circle.radius, *rest)
+    return math.hypot(*main) or math.hypot(*others)

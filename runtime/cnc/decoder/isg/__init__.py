@@ -1,0 +1,1 @@
+"""The functions, statements and variables of the ISG dialect: what each of them does, registered once."""

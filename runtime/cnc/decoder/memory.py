@@ -1,0 +1,54 @@
+"""What of a channel outlives a program: V.S variables, macros, the stored zero offsets, P parameters if configured so."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.user_variables import Scope
+from runtime.cnc.language.isg.compiler import Parameters
+
+ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
+
+
+class ChannelMemory:
+    """Made once per start of the runtime, handed to every decoder of the channel.
+
+    `zero_offsets` (97, n): stored data sets; `zero_enabled` the flags of G160; `macros` those of programs, in front of
+    the configured ones.
+    """
+
+    def __init__(self, setup: DecoderSetup) -> None:
+        n = len(setup.axes)
+        self.zero_offsets: Floats = np.zeros((ZERO_OFFSET_SETS, n))
+        for number in range(53, 60):
+            self.zero_offsets[number - 53] = setup.zero_offset(number)
+        self.zero_enabled: Floats = np.ones((ZERO_OFFSET_SETS, n))
+        self.zero_default = 0
+        self.zero_writes = np.zeros(ZERO_OFFSET_SETS, np.int64)  # V.G.NP[j].INVOKE_COUNT
+        self.static = Scope("V.S.")
+        self.macros: dict[str, str] = {}
+        self.macro_version = 0
+        self.m_synch: dict[int, Synch] = dict(setup.m_synch)
+        self.h_synch: dict[int, Synch] = dict(setup.h_synch)
+        self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
+        self.report_lines = 0
+        self.report_backups = 0
+
+    def define_macro(self, name: str, content: str) -> None:
+        """Define a macro of a program."""
+        self.macros[name] = content
+        self.macro_version += 1
+
+    def clear_macros(self) -> None:
+        """Remove the macros of programs; configured ones remain."""
+        self.macros.clear()
+        self.macro_version += 1
+
+
+def configured_macros(setup: DecoderSetup) -> Mapping[str, str]:
+    """Macros of the channel parameters (makro_def[])."""
+    return setup.macros

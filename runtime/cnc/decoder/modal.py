@@ -1,0 +1,74 @@
+"""The modal state of a channel: what G functions and modal words have set, and what holds at program start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+
+class Motion(IntEnum):
+    """The path condition: what axis words mean."""
+
+    RAPID = 0
+    LINEAR = 1
+    CIRCLE_CW = 2
+    CIRCLE_CCW = 3
+
+
+class Plane(IntEnum):
+    """The plane of circles, by its G function."""
+
+    XY = 17
+    ZX = 18
+    YZ = 19
+
+
+class FeedMode(IntEnum):
+    """What F means, by its G function."""
+
+    TIME = 93  # s per block
+    PER_MINUTE = 94
+    PER_REVOLUTION = 95
+    PERCENT = 194  # of the greatest axis velocity
+
+
+@dataclass(slots=True)
+class ModalState:
+    """The initial state of the manual (lines 2119–2121 and the entries of the functions).
+
+    No path condition is marked as initial there; G01 is taken, since it moves nothing as long as no feed is programmed.
+    `feeds` keeps the last F of each mode, in mm/min, s, mm/rev or percent.
+    """
+
+    motion: Motion = Motion.LINEAR
+    plane: Plane = Plane.XY
+    inch: bool = False
+    incremental: bool = False
+    zero_offset: int = 0  # index of the data set: 0 G53, 1 G54 …
+    centre_absolute: bool = False
+    centre_correction: bool = True  # G165
+    feed_mode: FeedMode = FeedMode.PER_MINUTE
+    feeds: dict[FeedMode, float] = field(default_factory=dict)
+    radius: float | None = None  # mm, of circles by radius; negative for the longer arc
+    speed: float = 0.0  # rev/min of the main spindle
+    tool: int = 0  # last T
+    corner_size: float | None = None  # I of G301 and G302, mm
+
+    @property
+    def feed(self) -> float | None:
+        """F of the active mode, None as long as none is programmed."""
+        return self.feeds.get(self.feed_mode)
+
+    @feed.setter
+    def feed(self, value: float | None) -> None:
+        if value is None:
+            self.feeds.pop(self.feed_mode, None)
+        else:
+            self.feeds[self.feed_mode] = value
+
+    def copy(self) -> ModalState:
+        """A copy of its own."""
+        names = self.__slots__
+        made = ModalState(**{name: getattr(self, name) for name in names})
+        made.feeds = dict(self.feeds)
+        return made

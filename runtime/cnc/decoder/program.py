@@ -1,0 +1,174 @@
+"""A program file, opened: what the decoder executes, and what can be said of its text without executing it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.library import Library
+from runtime.cnc.decoder.memory import ChannelMemory
+from runtime.cnc.decoder.outside import Offline
+from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.language.errors import ProgramErrors
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.index import LOOPS, Section, Unit
+from runtime.cnc.language.isg.words import ParsedBlock, WordKind
+from runtime.cnc.language.text import ProgramText
+from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.errors import Problem, Reaction, Severity
+
+MAX_PROBLEMS = 20  # told per program
+CHECKED_BEFORE_START = 1 << 18  # bytes; longer programs start before they are read to their end
+
+Progress = Callable[[int, int], None]  # bytes done, bytes in all
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """An open program with everything that it has called so far."""
+
+    unit: Unit
+    library: Library
+
+    @property
+    def name(self) -> str:
+        """Name of the program file, as blocks and errors show it."""
+        return self.unit.name
+
+    def units(self) -> Iterator[Unit]:
+        """The files of the program that are open, each once."""
+        yield from self.library.units()
+
+    def close(self) -> None:
+        """Give the files back."""
+        self.library.close()
+
+
+def open_program(path: Path, setup: DecoderSetup) -> Program:
+    """Open a program. A short one is looked through before it starts, so that what is wrong in it is told before anything moves.
+
+    Raises ProgramError for a file, ProgramErrors for what is wrong in its blocks.
+    """
+    folders = [path.parent, *(path.parent / folder for folder in setup.program_paths)]
+    library = Library(setup.addresses, folders)
+    try:
+        unit = library.open(path, path.name)
+        if unit.text.size <= CHECKED_BEFORE_START:
+            problems = [problem for problem in look_through(path, setup) if problem.entry.severity >= Severity.ERROR]
+            if problems:
+                raise ProgramErrors(problems[:MAX_PROBLEMS])
+    except BaseException:
+        library.close()
+        raise
+    return Program(unit, library)
+
+
+def look_through(path: Path, setup: DecoderSetup, progress: Progress | None = None) -> Iterator[Problem]:
+    """What is wrong with the blocks of a file, in the order of its lines, without executing any.
+
+    Blocks in branches that may be passed over are told as warnings: the control does not look at them as long as it does not
+    come there (programming manual lines 8241–8326). The same holds for the whole program once it has a jump.
+    """
+    unit = Unit(path.name, ProgramText(path), setup.addresses)
+    try:
+        yield from _Look(unit, setup, path).problems(progress)
+    finally:
+        unit.text.close()
+
+
+class _Look:
+    def __init__(self, unit: Unit, setup: DecoderSetup, path: Path) -> None:
+        self._unit = unit
+        folders = [path.parent, *(path.parent / folder for folder in setup.program_paths)]
+        self._library = Library(setup.addresses, folders)
+        start = np.zeros(len(setup.axes))
+        self._x = Execution(setup, ChannelMemory(setup), Offline(), self._library, start, lambda: 0)
+        self._seen: set[tuple[WordKind, str]] = set()
+        self._jumps = False
+
+    def problems(self, progress: Progress | None) -> Iterator[Problem]:
+        unit, entry, section = self._unit, 0, None
+        while True:
+            while entry >= len(unit) and not unit.ended:
+                unit.grow()
+            if entry >= len(unit):
+                break
+            section = next((s for s in reversed(list(unit.sections())) if s.begin <= entry), section)
+            assert section is not None
+            yield from self._entry(entry, section)
+            entry += 1
+            if entry % 256 == 0:
+                unit.forget(entry)
+                if progress:
+                    progress(unit.offset(entry - 1), unit.text.size)
+        for number in sorted(unit.faults):
+            if number >= entry:
+                yield self._fault(number)
+        if progress:
+            progress(unit.text.size, unit.text.size)
+
+    def _fault(self, entry: int) -> Problem:
+        fault = self._unit.faults[entry]
+        return Problem(fault.entry, fault.values, self._unit.place(fault.line, fault.column, fault.text))
+
+    def _entry(self, entry: int, section: Section) -> Iterator[Problem]:
+        unit = self._unit
+        if entry in unit.links and unit.links[entry].first == entry:
+            unit.last(entry)  # so that a structure that is not closed is known
+        if unit.count(entry):
+            return
+        text = unit.block_text(entry)
+        if entry in unit.faults and text.text.lstrip()[:1] in ("%", "#"):
+            yield self._fault(entry)
+            return
+        try:
+            parsed = self._x.parser.parse(text.text, self._x.environment)
+        except LineError as error:
+            line, column, shown = text.place(error.column)
+            problem = Problem(error.entry, error.values, unit.place(line, column, shown))
+            yield problem if self._certain(entry, text.text) else _warning(problem)
+            return
+        if entry in unit.faults:
+            yield self._fault(entry)
+            return
+        for name, content in parsed.macros:
+            self._x.memory.define_macro(name, content)
+        yield from self._calls(parsed, entry, text.text, text.line, section)
+
+    def _certain(self, entry: int, text: str) -> bool:
+        """Whether the block is executed whenever the program comes to it: in no branch, no jump before it."""
+        self._jumps |= "$GOTO" in text.upper()
+        unit = self._unit
+        around = unit.around(entry)
+        return not self._jumps and '"' not in text and all(unit.links[first].control in LOOPS for first in around)
+
+    def _calls(self, parsed: ParsedBlock, entry: int, text: str, line: int, section: Section) -> Iterator[Problem]:
+        self._jumps |= any(word.kind is WordKind.GOTO for word in parsed.words)
+        self._jumps |= parsed.control is not None and parsed.control.goto is not None
+        for word in parsed.words:
+            if word.kind not in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL) or word.name.startswith("V."):
+                continue
+            if (word.kind, word.name) in self._seen:
+                continue
+            self._seen.add((word.kind, word.name))
+            problem = None
+            place = self._unit.place(line, word.column, text)
+            if word.kind is WordKind.CALL_LOCAL:
+                if section.local:
+                    self._unit.open()
+                if word.name not in self._unit.local_programs:
+                    problem = Problem(catalogue.LOCAL_MISSING, {"name": word.name}, place)
+            elif self._library.find(word.name) is None:
+                paths = ", ".join(str(folder) for folder in self._library.folders)
+                problem = Problem(catalogue.GLOBAL_MISSING, {"name": word.name, "paths": paths}, place)
+            if problem is not None:
+                yield problem if self._certain(entry, text) else _warning(problem)
+
+
+def _warning(problem: Problem) -> Problem:
+    entry = replace(problem.entry, severity=Severity.WARNING, reaction=Reaction.NONE)
+    return replace(problem, entry=entry)

@@ -1,0 +1,540 @@
+"""# statements: their arguments are read as their registration says.
+
+#NAME WORDS [KEY = value, KEY value]      keys may be glued to their values, commas and equals signs left out
+#NAME X1 Y2                               axis words
+#NAME expression                          one value
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+from runtime.cnc.language.isg import expressions
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.syntax import Form, Key, KeyKind, StatementSyntax, Vocabulary
+from runtime.cnc.language.isg.words import Argument, ParsedStatement
+from runtime.diagnostics.catalogue import language as catalogue
+
+if TYPE_CHECKING:
+    from runtime.cnc.language.isg.parser import BlockParser
+
+_WORD = re.compile(r"[A-Za-z_]+[A-Za-z0-9_.]*")
+_START = re.compile(
+    r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(#)|((?<![A-Za-z0-9_.])LL?[ \t]+(?:CYCLE|SEQUENCE)(?=[ \t]*\[))", re.IGNORECASE
+)
+_INLINE = re.compile(r"#(?:ANG|CANG|CHR|CHF|RND|FRC|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
+_BESIDE = re.compile(r"#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
+_AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
+
+
+class StatementStart(NamedTuple):
+    """Where a statement begins in the text of its block (from 0), and whether it is one with #."""
+
+    start: int
+    hash: bool
+
+
+class Beside(NamedTuple):
+    """A statement beside words: the block text with everything else blanked, and where it begins."""
+
+    text: str
+    at: StatementStart
+
+
+def statement_at(text: str) -> StatementStart | None:
+    """The statement of a block that is nothing but a statement; None if the block has words."""
+    for match in _START.finditer(text):
+        if match.group(2):
+            return StatementStart(match.start(), False)
+        if not match.group(1):
+            continue  # a quoted text
+        inline = _INLINE.match(text, match.start())
+        if inline is None:
+            return StatementStart(match.start(), True)
+        return None
+    return None
+
+
+def beside_words(text: str) -> tuple[str, Beside | None]:
+    """Block text without #ADD or #SUPPRESS OFFSETS, and that statement if there is one."""
+    match = _BESIDE.search(text)
+    if match is None:
+        return text, None
+    end = len(text)
+    if "ADD" not in match.group().upper():  # the axis words behind it belong to the block
+        bracket = re.compile(r"[ \t]*\[[^\]]*\]").match(text, match.end())
+        end = bracket.end() if bracket else match.end()
+    blank = " " * (end - match.start())
+    alone = " " * match.start() + text[match.start() : end]
+    return text[: match.start()] + blank + text[end:], Beside(alone, StatementStart(match.start(), True))
+
+
+class StatementParser:
+    """Reads # statements and cycle calls; raises LineError."""
+
+    def __init__(self, blocks: BlockParser, vocabulary: Vocabulary) -> None:
+        self._blocks = blocks
+        self._statements = {name.upper(): statement for name, statement in vocabulary.statements.items()}
+        self._most_words = max((len(name.split()) for name in self._statements), default=1)
+
+    def parse(self, text: str, at: StatementStart) -> ParsedStatement:
+        """The statement that begins at `at`; `text` ends with the block."""
+        syntax, end = self._named(text, at)
+        arguments: tuple[Argument, ...] = ()
+        rest = text[end:].strip()
+        if rest or not syntax.optional:
+            arguments = tuple(self._arguments(syntax, text, end))
+        self._check(syntax, arguments, at.start + 1)
+        return ParsedStatement(syntax, at.start + 1, arguments)
+
+    def _named(self, text: str, at: StatementStart) -> tuple[StatementSyntax, int]:
+        """The statement with the longest name that fits, and where its arguments begin."""
+        position = at.start + (1 if at.hash else 0)
+        if at.hash and text[position : position + 1].isspace():
+            raise LineError(catalogue.STATEMENT_BLANK, at.start + 1)
+        words: list[str] = []
+        ends: list[int] = []
+        while len(words) < self._most_words:
+            match = _WORD.match(text, position)
+            if match is None:
+                break
+            words.append(match.group().upper())
+            ends.append(match.end())
+            position = match.end()
+            while text[position : position + 1] in (" ", "\t"):
+                position += 1
+        prefix = "" if at.hash else "CALL "
+        for count in range(len(words), 0, -1):
+            syntax = self._statements.get(prefix + " ".join(words[:count]))
+            if syntax is not None:
+                return syntax, ends[count - 1]
+        for name, syntax in self._statements.items():  # a value glued to the name: #TIME2
+            glued = (
+                syntax.form is Form.VALUE and words and words[0].startswith(name) and words[0][len(name) :].isdigit()
+            )
+            if glued and not prefix:
+                return syntax, at.start + 1 + len(name)
+        name = " ".join(words) or text[at.start : at.start + 10]
+        entry = catalogue.STATEMENT_UNSUPPORTED if _is_known(words) else catalogue.STATEMENT_UNKNOWN
+        raise LineError(entry, at.start + 1, name=name)
+
+    # ------------------------------------------------------------------ arguments
+
+    def _arguments(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
+        form = syntax.form
+        if form is Form.ALONE:
+            if text[begin:].strip():
+                raise self._not_understood(syntax, text, begin)
+        elif form is Form.VALUE:
+            position = _skip(text, begin, " \t=")
+            value = self._blocks.expression(text[position:], position + 1)
+            yield Argument("", position + 1, value)
+        elif form in (Form.AXES, Form.AXIS_LIST):
+            yield from self._axes(syntax, text, begin)
+        elif form is Form.VARIABLES:
+            yield from self._variables(text, begin)
+        else:
+            yield from self._words(syntax, text, begin)
+
+    def _words(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
+        """Words, then a bracket with keys, a message or assignments."""
+        position = _skip(text, begin)
+        while (match := _WORD.match(text, position)) and syntax.words:
+            word = match.group().upper()
+            if word not in syntax.words:
+                raise LineError(
+                    catalogue.WORD_UNKNOWN, position + 1, word=word, key=_title(syntax), known=", ".join(syntax.words)
+                )
+            yield Argument("", position + 1, text=word)
+            position = _skip(text, match.end())
+        if text[position : position + 1] != "[":
+            if text[position:].strip() or not syntax.optional:
+                raise self._not_understood(syntax, text, position)
+            return
+        end = _closing(text, position)
+        if end < 0:
+            raise LineError(catalogue.BRACKET_OPEN, position + 1)
+        after = _skip(text, end + 1)
+        if syntax.form is Form.MESSAGE:
+            yield from self._message(syntax, text, position + 1, end)
+        elif syntax.form is Form.ASSIGNMENTS:
+            yield from self._assignments(syntax, text, position + 1, end)
+        else:
+            yield from self._keys(syntax, text, position + 1, end)
+        if text[after:].strip():
+            if syntax.name.startswith("SUPPRESS OFFSETS"):
+                yield from self._axes(syntax, text, after)
+            else:
+                raise self._not_understood(syntax, text, after)
+
+    def _keys(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Iterator[Argument]:
+        pattern = _key_pattern(syntax.keys)
+        position = _skip(text, begin, " \t,")
+        while position < end:
+            match = pattern.match(text, position, end)
+            if match is None:
+                known = ", ".join(key.name for key in syntax.keys)
+                found = text[position:end].split()[0].split("=")[0].split(",")[0]
+                raise LineError(catalogue.KEY_UNKNOWN, position + 1, key=found, statement=_title(syntax), known=known)
+            key, index = _matched(syntax.keys, match)
+            column, position = position + 1, _skip(text, match.end())
+            if key.kind is KeyKind.TARGET:
+                stop = _value_end(text, position, end, pattern)
+                path = text[match.start() : match.end()]
+                value = self._blocks.expression(
+                    text[_skip(text, position, " \t=") : stop], _skip(text, position, " \t=") + 1
+                )
+                yield Argument(key.name, column, value, path, index)
+                position = _skip(text, stop, " \t,")
+                continue
+            if key.kind is KeyKind.FLAG:
+                yield Argument(key.name, column, index=index)
+                position = _skip(text, position, " \t,")
+                continue
+            position = _skip(text, position, " \t=")
+            stop = _value_end(text, position, end, pattern)
+            value_text = text[position:stop].strip(" \t,")
+            if not value_text:
+                raise LineError(catalogue.VALUE_MISSING, column, address=key.name)
+            yield self._value(syntax, key, index, value_text, position + 1)
+            position = _skip(text, stop, " \t,")
+
+    def _value(self, syntax: StatementSyntax, key: Key, index: int, text: str, column: int) -> Argument:
+        if key.kind is KeyKind.AXIS:
+            axis = self._blocks.addresses.axis(text)
+            if axis < 0:
+                axes = ", ".join(self._blocks.addresses.axes)
+                raise LineError(catalogue.AXIS_UNKNOWN, column, axis=text, axes=axes)
+            return Argument(key.name, column, text=text, index=axis)
+        if key.kind is KeyKind.WORD:
+            if text.upper() not in key.words:
+                raise LineError(catalogue.WORD_UNKNOWN, column, word=text, key=key.name, known=", ".join(key.words))
+            return Argument(key.name, column, text=text.upper(), index=index)
+        if key.kind is KeyKind.NAME and text[0] != '"' and not text.upper().startswith("V."):
+            return Argument(key.name, column, expressions.text(text), text, index)
+        value = self._blocks.expression(text, column)
+        if key.kind is KeyKind.NUMBER:
+            value = expressions.number(value, key.name, column)
+        elif key.kind in (KeyKind.STRING, KeyKind.NAME):
+            value = expressions.string(value, key.name, column)
+        return Argument(key.name, column, value, index=index)
+
+    def _message(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Iterator[Argument]:
+        for number, (start, stop) in enumerate(_parts(text, begin, end)):
+            value = self._blocks.expression(text[start:stop], start + 1)
+            if number == 0:
+                value = expressions.string(value, _title(syntax), start + 1)
+            yield Argument("TEXT" if number == 0 else "VALUE", start + 1, value)
+
+    def _assignments(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Iterator[Argument]:
+        """P1=X, V.P.POS=Y: what is assigned to, and an axis."""
+        for start, stop in _parts(text, begin, end):
+            left, equals, right = text[start:stop].partition("=")
+            if not equals:
+                raise self._not_understood(syntax, text, start)
+            name = right.strip()
+            axis = self._blocks.addresses.axis(name)
+            if axis < 0:
+                column = start + len(left) + 2
+                axes = ", ".join(self._blocks.addresses.axes)
+                raise LineError(catalogue.AXIS_UNKNOWN, column, axis=name, axes=axes)
+            yield Argument(left.strip(), start + 1, index=axis, target=self._blocks.written(left, start + 1))
+
+    def _axes(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
+        position = _skip(text, begin)
+        while position < len(text.rstrip()):
+            name = self._axis_name(text, position)
+            if name is None:
+                raise self._not_understood(syntax, text, position)
+            axis = self._blocks.addresses.axis(name)
+            if axis < 0:
+                axes = ", ".join(self._blocks.addresses.axes)
+                raise LineError(catalogue.AXIS_UNKNOWN, position + 1, axis=name, axes=axes)
+            column = position + 1
+            position = _skip(text, position + len(name), " \t=")
+            stop = self._axis_value_end(text, position)
+            given = text[position:stop].strip()
+            value = self._blocks.expression(given, position + 1) if given else None
+            if value is None and syntax.form is Form.AXES:
+                raise LineError(catalogue.VALUE_MISSING, column, address=name)
+            if value is not None:
+                value = expressions.number(value, name, column)
+            yield Argument(name, column, value, index=axis)
+            position = _skip(text, stop, " \t,")
+
+    def _axis_name(self, text: str, position: int) -> str | None:
+        """X of X1, X1 of X1=5, and the longest axis name of the channel where no value follows."""
+        match = _AXIS_NAME.match(text, position)
+        if match is None:
+            return None
+        name = match.group()
+        if (
+            text[_skip(text, match.end()) : _skip(text, match.end()) + 1] == "="
+            or self._blocks.addresses.axis(name) >= 0
+        ):
+            return name
+        return name[0]
+
+    def _axis_value_end(self, text: str, position: int) -> int:
+        """Where the value of an axis word ends: in front of the next axis name that does not belong to it."""
+        depth, i = 0, position
+        while i < len(text):
+            c = text[i]
+            if c in "[":
+                depth += 1
+            elif c == "]":
+                depth -= 1
+            elif depth == 0 and i > position and c == ",":
+                return i
+            elif depth == 0 and (i == position or not (text[i - 1].isalpha() or text[i - 1] in "_.")):
+                name = self._axis_name(text, i)
+                if name is not None and self._blocks.addresses.axis(name) >= 0 and text[i : i + 2].upper() != "V.":
+                    return i
+            i += 1
+        return len(text)
+
+    def _variables(self, text: str, begin: int) -> Iterator[Argument]:
+        for start, stop in _parts(text, begin, len(text)):
+            path = text[start:stop].strip()
+            place = self._blocks.place(path, start + 1)
+            indices = (place.number,) if place.number is not None else place.indices
+            yield Argument(path, start + 1, text=place.path, indices=indices)
+
+    # ------------------------------------------------------------------ rules
+
+    def _check(self, syntax: StatementSyntax, arguments: tuple[Argument, ...], column: int) -> None:
+        seen: set[tuple[str, int]] = set()
+        for argument in arguments:
+            if syntax.form is Form.KEYS and argument.name:
+                many = argument.name in ("AX", "AXNR", "P", "@P", "N", "LABEL") or syntax.name.startswith("#")
+                if (argument.name, argument.index) in seen and not many:
+                    raise LineError(catalogue.KEY_TWICE, argument.column, key=argument.name, statement=_title(syntax))
+                seen.add((argument.name, argument.index))
+        given = {argument.name for argument in arguments}
+        for key in syntax.keys:
+            if key.needed and key.name not in given and (arguments or not syntax.optional):
+                raise LineError(
+                    catalogue.KEY_MISSING, column, key=key.name, statement=_title(syntax), syntax=syntax.syntax[0]
+                )
+
+    def _not_understood(self, syntax: StatementSyntax, text: str, position: int) -> LineError:
+        found = text[position:].strip()
+        if not found:
+            return LineError(
+                catalogue.KEY_MISSING, position + 1, key="arguments", statement=_title(syntax), syntax=syntax.syntax[0]
+            )
+        return LineError(
+            catalogue.STATEMENT_ARGUMENTS,
+            _skip(text, position) + 1,
+            found=found[:20],
+            statement=_title(syntax),
+            syntax=syntax.syntax[0],
+        )
+
+
+def _title(syntax: StatementSyntax) -> str:
+    return syntax.prefix + syntax.name.removeprefix("CALL ")
+
+
+def _skip(text: str, position: int, what: str = " \t") -> int:
+    while position < len(text) and text[position] in what:
+        position += 1
+    return position
+
+
+def _closing(text: str, opening: int) -> int:
+    """Index of the bracket that closes the one at `opening`, -1 if there is none."""
+    depth, quoted, i = 0, False, opening
+    while i < len(text):
+        c = text[i]
+        if quoted:
+            if c == "\\":
+                i += 1
+            quoted = c != '"'
+        elif c == '"':
+            quoted = True
+        elif c == "[":
+            depth += 1
+        elif c == "]":
+            depth -= 1
+            if depth == 0:
+                return i
+        i += 1
+    return -1
+
+
+def _parts(text: str, begin: int, end: int) -> Iterator[tuple[int, int]]:
+    """The parts between commas outside brackets and quotes, without surrounding blanks."""
+    depth, quoted, start, i = 0, False, begin, begin
+    while i <= end:
+        c = text[i] if i < end else ","
+        if quoted:
+            if c == "\\":
+                i += 1
+            elif c == '"':
+                quoted = False
+            if i >= end:
+                yield _skip(text, start), end
+        elif c == '"':
+            quoted = True
+        elif c == "[":
+            depth += 1
+        elif c == "]":
+            depth -= 1
+        elif c == "," and (depth <= 0 or i == end):
+            yield _skip(text, start), i
+            start = i + 1
+        i += 1
+
+
+def _key_pattern(keys: tuple[Key, ...]) -> re.Pattern[str]:
+    """One alternative per key, longest first; a name may be glued to what follows unless the key takes nothing."""
+    alternatives = []
+    for number, key in sorted(enumerate(keys), key=lambda pair: -len(pair[1].name)):
+        name = re.escape(key.name)
+        if key.kind is KeyKind.TARGET:
+            name = key.name
+        elif key.indexed:
+            name += r"(\d+)"
+        elif key.kind is KeyKind.FLAG:
+            name += r"(?![A-Za-z0-9_])"
+        elif key.kind in (KeyKind.AXIS, KeyKind.WORD, KeyKind.NAME):
+            name += r"(?=[ \t=\"])"
+        else:
+            name += r"(?![A-OQ-UW-Za-z_](?![A-Za-z_0-9]*\[))"
+        alternatives.append(f"(?P<k{number}>{name})")
+    return re.compile("|".join(alternatives) or r"(?!)", re.IGNORECASE)
+
+
+def _matched(keys: tuple[Key, ...], match: re.Match[str]) -> tuple[Key, int]:
+    group = match.lastgroup
+    for number, key in enumerate(keys):
+        if match.group(f"k{number}") is not None:
+            digits = re.search(r"\d+$", match.group(f"k{number}")) if key.indexed else None
+            index = int(digits.group()) if digits else -1
+            if key.indexed and not key.indexed[0] <= index <= key.indexed[1]:
+                raise LineError(
+                    catalogue.KEY_UNKNOWN,
+                    match.start() + 1,
+                    key=match.group(),
+                    statement="the statement",
+                    known=f"{key.name}{key.indexed[0]} to {key.name}{key.indexed[1]}",
+                )
+            return key, index
+    raise AssertionError(group)
+
+
+def _value_end(text: str, position: int, end: int, pattern: re.Pattern[str]) -> int:
+    """Where a value ends: at a comma or in front of the next key, outside brackets and quotes."""
+    depth, quoted, i = 0, False, position
+    while i < end:
+        c = text[i]
+        if quoted:
+            if c == "\\":
+                i += 1
+            elif c == '"':
+                quoted = False
+        elif c == '"':
+            quoted = True
+        elif c == "[":
+            depth += 1
+        elif c == "]":
+            depth -= 1
+        elif (depth == 0 and c == ",") or (
+            depth == 0
+            and i > position
+            and not (text[i - 1].isalpha() or text[i - 1] in "_.@")
+            and pattern.match(text, i, end)
+        ):
+            return i
+        i += 1
+    return end
+
+
+def _is_known(words: list[str]) -> bool:
+    return bool(words) and words[0] in _KNOWN
+
+
+# First words of statements that the dialect has and this version has not yet.
+_KNOWN = frozenset(
+    (
+        *(
+            "ACS",
+            "AKIMA",
+            "AX",
+            "BACKWARD",
+            "BCS",
+            "BLOCK",
+            "CALL",
+            "CAX",
+            "CAXTRACK",
+            "CHANNEL",
+            "CLAMP",
+            "CLEAR",
+            "COMMAND",
+        ),
+        *(
+            "CONTOUR",
+            "CONTROL",
+            "CORNER",
+            "CS",
+            "CYL",
+            "DIST",
+            "DISTANCE",
+            "DRIVE",
+            "DYNAMIC",
+            "ECS",
+            "EDGE",
+            "EDM",
+            "ELECTRODE",
+        ),
+        *(
+            "EXPL",
+            "FACE",
+            "FGROUP",
+            "FILTER",
+            "FREE",
+            "FRICTION",
+            "GANTRY",
+            "GEAR",
+            "GET",
+            "HANDWHEEL",
+            "HSC",
+            "IDENT",
+            "JOG",
+        ),
+        *(
+            "KIN",
+            "LOAD",
+            "MACHINE",
+            "MAIN",
+            "MANUAL",
+            "MCS",
+            "MEAS",
+            "NIBBLE",
+            "OPTIONAL",
+            "ORI",
+            "OTC",
+            "OVERRIDE",
+            "PSC",
+        ),
+        *("PTP", "PUNCH", "PUT", "ROUTE", "RTCP", "SAVE", "SCENE", "SEGMENTATION", "SET", "SIGNAL", "SINGLE", "SLOPE"),
+        *(
+            "SPLINE",
+            "STROKE",
+            "SYNCH",
+            "TANGFEED",
+            "TLAX",
+            "TLC",
+            "TOOL",
+            "TRACK",
+            "TRAFO",
+            "TRANSVELMIN",
+            "TRC",
+            "TURN",
+        ),
+        *("VECTOR", "VIB", "VOLCOMP", "WAIT", "WCS"),
+    )
+)
