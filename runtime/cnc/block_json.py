@@ -1,4 +1,4 @@
-"""Blocks as rows of `blocks.jsonl`: one per motion element, dwell, function or stop."""
+"""Blocks as rows of `blocks.jsonl`: one per motion element, dwell, function, stop, or action of the cycle."""
 
 from __future__ import annotations
 
@@ -9,26 +9,33 @@ from runtime.cnc.blocks import (
     Arc,
     Block,
     Dwell,
+    ExternalWrite,
     Floats,
+    Flush,
     Line,
+    Message,
     Polyline,
     Source,
     SpatialArc,
     Stop,
     TechnologyFunction,
+    TimerAction,
+    UserError,
 )
 
 Row = dict[str, object]
 
 
 def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
-    """The rows of a block, in the order of the program; a polyline gives one per segment, `Wait` and `BlockEnd` none.
+    """The rows of a block, in the order of the program. A polyline gives one per segment, `Wait`, `BlockEnd`, `Hold` none.
 
     Every row has `line`, `n` (block number or None), `program`, `type`. Motion: `from`, `to` (axis name → machine
     coordinate, mm or degrees), `to_pcs` (programmed coordinates), `feed` (mm/min, None for rapid), `rapid`; arcs and
     helices also `centre` (axis name → mm), `radius` (mm), `angle` (degrees, counter-clockwise positive) and `plane`
     ("XY"), arcs in space `normal` (unit vector) in its place. Functions: `number`, `value`, `synch`, for S `spindle`.
-    Dwell: `seconds`. Stop: `kind`.
+    Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
+    External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
+    `further`.
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
@@ -54,6 +61,37 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         yield row
     elif isinstance(block, Stop):
         yield {**_source(block.source, "stop"), "kind": block.kind.value}
+    else:
+        yield from _action(block)
+
+
+def _action(block: Block) -> Iterator[Row]:
+    match block:
+        case Flush():
+            yield {**_source(block.source, "flush"), "kind": block.kind.value}
+        case Message():
+            yield {
+                **_source(block.source, "message"),
+                "text": block.text,
+                "receiver": block.receiver.value,
+                "acknowledge": block.acknowledge,
+                "information": block.information,
+            }
+        case TimerAction():
+            yield {**_source(block.source, "timer"), "command": block.command.value, "timer": block.timer}
+        case ExternalWrite():
+            row = _source(block.source, "external")
+            yield row | {"offset": block.offset, "kind": block.kind, "value": block.value}
+        case UserError():
+            yield {
+                **_source(block.source, "error"),
+                "number": block.number,
+                "multiple": block.multiple,
+                "remedy_class": block.remedy_class,
+                "values": list(block.values),
+                "meanings": list(block.meanings),
+                "further": list(block.further),
+            }
 
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:

@@ -15,6 +15,7 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, model_validator
 
+from runtime.config.error_texts import ErrorTexts, ErrorTextsError
 from runtime.diagnostics.catalogue import configuration as errors
 from runtime.diagnostics.errors import ErrorEntry
 
@@ -305,13 +306,20 @@ class Machine(_Model):
     fieldbus: Fieldbus = Fieldbus()
     plc: Plc = Plc()
     metrics: Metrics = Metrics()
+    error_texts: FileBeside | None = None  # texts for #ERROR, lines `number text`
     state_directory: Annotated[Path, Field(strict=False)] | None = (
         None  # retained data; default: $STATE_DIRECTORY, else ~/.local/state/tandem
     )
 
     @model_validator(mode="after")
     def _consistent(self) -> Machine:
-        if found := [*_twice(self), *_shared_nodes(self), *_unknown_axes(self), *_short_watchdogs(self)]:
+        if found := [
+            *_twice(self),
+            *_shared_nodes(self),
+            *_unknown_axes(self),
+            *_short_watchdogs(self),
+            *_unusable_texts(self),
+        ]:
             raise ContradictionError(found)
         return self
 
@@ -386,6 +394,15 @@ def _unknown_axes(machine: Machine) -> Iterator[Contradiction]:
                     yield _unknown(
                         location, user, name, "is no axis of the channel", ", ".join(channel.axes), at_key=True
                     )
+
+
+def _unusable_texts(machine: Machine) -> Iterator[Contradiction]:
+    """The file of error texts can be read: the preparation does so later, where nobody looks any more."""
+    try:
+        ErrorTexts.of(machine)
+    except ErrorTextsError as error:
+        values = {"file": machine.error_texts, "reason": error}
+        yield Contradiction(errors.ERROR_TEXTS, ("error_texts",), values)
 
 
 def _short_watchdogs(machine: Machine) -> Iterator[Contradiction]:

@@ -112,3 +112,8 @@ UNSUITABLE = ErrorEntry(
     "{key}: {reason}",
     remedy="config/machine.yaml of the distribution shows every key with its type and unit.",
 )
+ERROR_TEXTS = ErrorEntry(
+    302090,
+    "The error texts in {file} cannot be used: {reason}",
+    remedy="A line is a number from 1 to 1000, a space, and its text; lines that begin with ; are comments.",
+)
