@@ -359,13 +359,6 @@ CONTOUR_LINE_INCREMENTAL = ErrorEntry(
     remedy="program G90: the corner before it is not known yet",
     source="programming manual line 2822",
 )
-CONTOUR_LINE_CIRCLE = ErrorEntry(
-    300415,
-    "#ANG has no meaning with G0{motion}",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="contour lines are straight: program G01 or G00",
-    source="programming manual line 2707",
-)
 ARC_POINTS_EQUAL = ErrorEntry(
     300416,
     "{first} and {second} of the arc in space are the same point",
