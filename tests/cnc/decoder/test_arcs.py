@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,7 @@ from runtime.cnc.decoder.circles import Circle, CircleError, by_kept_centre, by_
 from runtime.cnc.geometry.elements import arc_at
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry
+from tests.cnc.interpolator.driving import check_path_laws, drive, limits
 
 
 def refused(entry: ErrorEntry, error: CircleError) -> None:
@@ -112,6 +114,15 @@ def test_the_radius_changes_linearly_with_the_angle(first: float, last: float, a
             radius, phi = first + part * (last - first), 0.3 + math.radians(angle) * part
             expected = np.array([x + radius * math.cos(phi), y + radius * math.sin(phi), 1.0 + 2.0 * part])
             assert np.linalg.norm(q - expected) < 1e-4
+
+
+def test_the_pieces_are_driven_like_one_arc() -> None:
+    axes = limits(400.0, 4000.0, 6e4, 5.0)
+    whole = replace(spiral(50.0, 50.5, 300.0), corner=None, end_feed=None, feed=6000.0)
+    run = drive(radius_transition(whole), axes, whole.start)
+    check_path_laws(run)
+    assert run.finished
+    assert min(run.v[200:-200]) == pytest.approx(100.0)
 
 
 def test_a_true_arc_stays_in_one_piece() -> None:
