@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +16,9 @@ from runtime.cnc.blocks import Arc, Corner, CornerKind, Floats, Source, SpatialA
 from runtime.cnc.decoder.arcs import radius_transition, through_three_points
 from runtime.cnc.decoder.circles import Circle, CircleError, by_kept_centre, by_opening_angle
 from runtime.cnc.geometry.elements import arc_at
-
+from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry
+from tests.cnc.interpolator.driving import check_path_laws, drive, limits
 
 
 def refused(entry: ErrorEntry, error: CircleError) -> None:
@@ -49,10 +51,10 @@ def test_a_full_circle_by_its_opening_angle_ends_where_it_began() -> None:
 def test_opening_angles_that_are_none(opening: float) -> None:
     with pytest.raises(CircleError) as caught:
         by_opening_angle((1.0, 2.0), (3.0, 4.0), opening, True)
-    refused(C.OPENING_ANGLE, caught.value)
+    refused(catalogue.OPENING_ANGLE, caught.value)
     with pytest.raises(CircleError) as caught:
         by_opening_angle((1.0, 2.0), (1.0, 2.0), 90.0, True)
-    refused(C.RADIUS_ZERO, caught.value)
+    refused(catalogue.RADIUS_ZERO, caught.value)
 
 
 # -- G164
@@ -67,7 +69,7 @@ def test_a_kept_centre_allows_two_radii_within_both_limits() -> None:
     for difference, share in ((0.03, 0.01), (0.05, 0.003), (0.0, 0.01)):
         with pytest.raises(CircleError) as caught:
             by_kept_centre(start, end, centre, True, difference, share)
-        refused(C.RADIUS_DIFFERENCE, caught.value)
+        refused(catalogue.RADIUS_DIFFERENCE, caught.value)
     assert by_kept_centre(start, (10.00005, 0.0), centre, True, 0.0, 0.0).radius == 10.0
 
 
@@ -112,6 +114,15 @@ def test_the_radius_changes_linearly_with_the_angle(first: float, last: float, a
             radius, phi = first + part * (last - first), 0.3 + math.radians(angle) * part
             expected = np.array([x + radius * math.cos(phi), y + radius * math.sin(phi), 1.0 + 2.0 * part])
             assert np.linalg.norm(q - expected) < 1e-4
+
+
+def test_the_pieces_are_driven_like_one_arc() -> None:
+    axes = limits(400.0, 4000.0, 6e4, 5.0)
+    whole = replace(spiral(50.0, 50.5, 300.0), corner=None, end_feed=None, feed=6000.0)
+    run = drive(radius_transition(whole), axes, whole.start)
+    check_path_laws(run)
+    assert run.finished
+    assert min(run.v[200:-200]) == pytest.approx(100.0)
 
 
 def test_a_true_arc_stays_in_one_piece() -> None:
@@ -170,7 +181,7 @@ def test_three_points_that_are_no_arc() -> None:
     for points in ((a, b, c), (a, c, b), (b, a, c)):
         with pytest.raises(CircleError) as caught:
             through_three_points(*points)
-        refused(C.ARC_POINTS_IN_LINE, caught.value)
+        refused(catalogue.ARC_POINTS_IN_LINE, caught.value)
     aside = np.array([0.0, 0.0, 9.0])
     for points, text in (
         ((a, a, aside), "start point and interim point"),
@@ -179,7 +190,7 @@ def test_three_points_that_are_no_arc() -> None:
     ):
         with pytest.raises(CircleError) as caught:
             through_three_points(*points)
-        refused(C.ARC_POINTS_EQUAL, caught.value)
+        refused(catalogue.ARC_POINTS_EQUAL, caught.value)
         assert text in caught.value.entry.text.format(**caught.value.values)
 
 

@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from runtime.cnc.decoder.contour_lines import ContourLineError, ContourLines, Coordinates, Point, one_line, two_lines
-
+from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem
 
 
@@ -43,14 +43,14 @@ def test_lines_along_an_axis_are_exact(angle: float, target: Point) -> None:
 @pytest.mark.parametrize(
     ("angle", "coordinates", "entry"),
     [
-        (60.0, (9.0, None), C.CONTOUR_LINE_UNREACHABLE),
-        (-60.0, (None, 11.0), C.CONTOUR_LINE_UNREACHABLE),
-        (0.0, (None, 11.0), C.CONTOUR_LINE_UNREACHABLE),
-        (90.0, (11.0, None), C.CONTOUR_LINE_UNREACHABLE),
-        (180.0, (None, 10.0), C.CONTOUR_LINE_UNDETERMINED),
-        (90.0, (None, None), C.CONTOUR_LINE_UNDETERMINED),
-        (45.0, (20.0, 21.0), C.CONTOUR_LINE_OVERDETERMINED),
-        (225.0, (20.0, 20.0), C.CONTOUR_LINE_UNREACHABLE),
+        (60.0, (9.0, None), catalogue.CONTOUR_LINE_UNREACHABLE),
+        (-60.0, (None, 11.0), catalogue.CONTOUR_LINE_UNREACHABLE),
+        (0.0, (None, 11.0), catalogue.CONTOUR_LINE_UNREACHABLE),
+        (90.0, (11.0, None), catalogue.CONTOUR_LINE_UNREACHABLE),
+        (180.0, (None, 10.0), catalogue.CONTOUR_LINE_UNDETERMINED),
+        (90.0, (None, None), catalogue.CONTOUR_LINE_UNDETERMINED),
+        (45.0, (20.0, 21.0), catalogue.CONTOUR_LINE_OVERDETERMINED),
+        (225.0, (20.0, 20.0), catalogue.CONTOUR_LINE_UNREACHABLE),
     ],
 )
 def test_what_one_line_cannot_reach(angle: float, coordinates: Coordinates, entry: ErrorEntry) -> None:
@@ -83,10 +83,10 @@ def test_two_angles_alone_stay_at_the_start() -> None:
 @pytest.mark.parametrize(
     ("first", "second", "end", "entry"),
     [
-        (30.0, 30.0, (40.0, 60.0), C.CONTOUR_LINE_PARALLEL),
-        (30.0, 210.0, (40.0, 60.0), C.CONTOUR_LINE_PARALLEL),
-        (195.0, 100.0, (40.0, 60.0), C.CONTOUR_LINE_UNREACHABLE),  # the corner lies behind
-        (15.0, -80.0, (40.0, 60.0), C.CONTOUR_LINE_UNREACHABLE),  # the end lies behind
+        (30.0, 30.0, (40.0, 60.0), catalogue.CONTOUR_LINE_PARALLEL),
+        (30.0, 210.0, (40.0, 60.0), catalogue.CONTOUR_LINE_PARALLEL),
+        (195.0, 100.0, (40.0, 60.0), catalogue.CONTOUR_LINE_UNREACHABLE),  # the corner lies behind
+        (15.0, -80.0, (40.0, 60.0), catalogue.CONTOUR_LINE_UNREACHABLE),  # the end lies behind
     ],
 )
 def test_what_two_lines_cannot_reach(first: float, second: float, end: Coordinates, entry: ErrorEntry) -> None:
@@ -119,7 +119,7 @@ def test_the_corner_of_two_lines_is_found_again(
     end = corner[0] + on * math.cos(math.radians(second)), corner[1] + on * math.sin(math.radians(second))
     assert two_lines((x, y), first, second, end)[0] == pytest.approx(corner, abs=1e-6)
     for turned in ((first + 180.0, second), (first, second + 180.0)):
-        with pytest.raises(ContourLineError, match=str(C.CONTOUR_LINE_UNREACHABLE.id)):
+        with pytest.raises(ContourLineError, match=str(catalogue.CONTOUR_LINE_UNREACHABLE.id)):
             two_lines((x, y), *turned, end)
 
 
@@ -164,7 +164,7 @@ def test_a_line_that_waits_needs_a_second_one() -> None:
     lines.add((0.0, 0.0), 30.0, (None, None))
     with pytest.raises(ContourLineError) as caught:
         lines.expect_none()
-    refused(C.CONTOUR_LINE_UNDETERMINED, caught.value)
+    refused(catalogue.CONTOUR_LINE_UNDETERMINED, caught.value)
     lines.expect_none()  # nothing waits any more
 
 
@@ -173,7 +173,7 @@ def test_the_second_target_must_be_absolute() -> None:
     lines.add((0.0, 0.0), 30.0, (None, None), absolute=False)
     with pytest.raises(ContourLineError) as caught:
         lines.add((0.0, 0.0), 60.0, (10.0, None), absolute=False)
-    refused(C.CONTOUR_LINE_INCREMENTAL, caught.value)
+    refused(catalogue.CONTOUR_LINE_INCREMENTAL, caught.value)
     (target,) = lines.add((0.0, 0.0), 30.0, (10.0, None), absolute=False) or []
     assert target == pytest.approx((10.0, 5.7735), abs=1e-4)
     assert lines.add((0.0, 0.0), 30.0, (None, None), absolute=False) is None

@@ -33,9 +33,10 @@ from runtime.cnc.blocks import (
     Technology,
     TechnologyFunction,
 )
-from runtime.cnc.decoder.corners import CornerError, Corners
+from runtime.cnc.decoder.corners import CornerError, Corners, with_corner
 from runtime.cnc.geometry.elements import arc_at, line_at
-
+from runtime.diagnostics.catalogue import language as catalogue
+from tests.cnc.interpolator.driving import check_path_laws, drive, limits
 
 WIDTH, LENGTH, ROUNDING = CornerKind.CHAMFER_WIDTH, CornerKind.CHAMFER_LENGTH, CornerKind.ROUNDING
 
@@ -123,6 +124,20 @@ def test_a_pocket_with_rounded_corners() -> None:
         np.testing.assert_allclose(before.end, after.start, atol=0)
     np.testing.assert_allclose(out[2].start, at(200, 20), atol=1e-9)
     np.testing.assert_allclose(out[2].end, at(200, 80), atol=1e-9)
+
+
+def test_a_rounded_pocket_is_driven_without_slowing_down() -> None:
+    places = [at(50, 0), at(200, 0), at(200, 100), at(0, 100), at(0, 0), at(50, 0)]
+    blocks = [
+        line(a, b, Corner(ROUNDING, 20.0) if number < 5 else None, number, 6000.0)
+        for number, (a, b) in enumerate(pairwise(places), 1)
+    ]
+    run = drive(worked(*blocks), limits(400.0, 4000.0, 6e4, 5.0), places[0])
+    check_path_laws(run)
+    assert run.finished
+    np.testing.assert_allclose(run.path[-1], places[-1], atol=1e-9)
+    on_the_way = np.array(run.v)[200:-200]
+    assert on_the_way.min() == pytest.approx(100.0)
 
 
 def test_sizes_that_use_an_element_up_leave_one_without_length() -> None:
@@ -225,7 +240,7 @@ def _share_left(part: Line | Arc, whole: Line | Arc) -> float:
 
 
 def _largest(error: CornerError, corner: Corner) -> float:
-    assert error.problem.entry is C.CORNER_TOO_LARGE
+    assert error.problem.entry is catalogue.CORNER_TOO_LARGE
     largest = error.problem.values["largest"]
     assert isinstance(largest, float)
     assert largest < corner.size
@@ -343,11 +358,11 @@ def test_a_hold_passes_at_once_and_the_motion_stays_back() -> None:
 @pytest.mark.parametrize(
     ("between", "entry"),
     [
-        (Flush(Source("p", 4), FlushKind.WAIT), C.CORNER_WAIT),
-        (Stop(Source("p", 4), StopKind.PROGRAM_END), C.CORNER_OPEN),
+        (Flush(Source("p", 4), FlushKind.WAIT), catalogue.CORNER_WAIT),
+        (Stop(Source("p", 4), StopKind.PROGRAM_END), catalogue.CORNER_OPEN),
         (
             SpatialArc(Source("p", 4), at(10, 0), at(20, 0), 1.0, at(20, 0), at(15, 0), at(0, 0, 1), 180.0),
-            C.CORNER_NEIGHBOUR,
+            catalogue.CORNER_NEIGHBOUR,
         ),
     ],
 )
@@ -367,7 +382,7 @@ def test_what_makes_a_corner_impossible_is_an_error_of_its_block(between: Block,
 def test_a_size_must_be_above_zero(size: float) -> None:
     with pytest.raises(CornerError) as caught:
         worked(*square(Corner(WIDTH, size)))
-    assert caught.value.problem.entry is C.CORNER_SIZE
+    assert caught.value.problem.entry is catalogue.CORNER_SIZE
 
 
 def test_a_size_that_turns_an_element_round_is_refused_and_the_largest_is_told() -> None:
@@ -431,7 +446,7 @@ def test_the_insert_lies_in_the_plane_of_the_second_motion() -> None:
     b = line(at(0, 0), at(0, 0, 8))
     with pytest.raises(CornerError, match="no way in the plane of axes X Y") as caught:
         worked(a, b)
-    assert caught.value.problem.entry is C.CORNER_DIRECTION
+    assert caught.value.problem.entry is catalogue.CORNER_DIRECTION
 
 
 def test_an_arc_of_another_plane_is_refused() -> None:
@@ -450,7 +465,7 @@ def test_nothing_is_inserted_where_the_path_goes_straight_on(kind: CornerKind) -
     assert [type(block) for block in out] == [Line, Arc]
     np.testing.assert_array_equal(out[0].end, a.end)
     assert out[0].corner is None
-    assert [warning.entry for warning in stage.warnings] == [C.CORNER_TANGENTIAL]
+    assert [warning.entry for warning in stage.warnings] == [catalogue.CORNER_TANGENTIAL]
     assert "line 7" in stage.warnings[0].text
 
 
@@ -459,7 +474,7 @@ def test_a_motion_straight_back_has_no_corner(kind: CornerKind) -> None:
     a = line(at(0, 0), at(10, 0), Corner(kind, 2.0))
     with pytest.raises(CornerError, match="line 9 goes back the way") as caught:
         worked(a, line(a.end, at(5, 0), None, 9))
-    assert caught.value.problem.entry is C.CORNER_REVERSAL
+    assert caught.value.problem.entry is catalogue.CORNER_REVERSAL
     assert caught.value.problem.explained()
 
 
@@ -493,3 +508,27 @@ def test_a_run_of_one_move_and_the_plane_of_a_run() -> None:
     assert insert.plane == (1, 2)
     assert isinstance(move, Line)
     assert move.rapid
+
+
+def test_a_corner_behind_a_run_takes_its_last_move() -> None:
+    points = np.array([at(0, 0), at(5, 5), at(10, 0), at(10, 10)])
+    run = Polyline("p", points, np.full(3, 500.0), np.array([4, 5, 6]), np.array([40, -1, 60]), at(1, 1, 1))
+    corner = Corner(ROUNDING, 1.0)
+    rest, move, end = with_corner(run, corner, (0, 1))
+    assert isinstance(rest, Polyline)
+    np.testing.assert_array_equal(rest.points, points[:3])
+    assert rest.lines.tolist() == [4, 5]
+    assert isinstance(move, Line)
+    assert move.corner == corner
+    assert end == BlockEnd(Source("p", 6, 60))
+    out = worked(rest, move, end, line(at(10, 10), at(20, 10)))
+    assert [type(block) for block in out] == [Polyline, Line, Arc, BlockEnd, Line]
+    (alone, _) = with_corner(
+        replace(rest, points=points[:2], feeds=run.feeds[:1], lines=run.lines[:1], numbers=run.numbers[:1]),
+        corner,
+        (1, 2),
+    )
+    assert isinstance(alone, Line)
+    assert alone.plane == (1, 2)
+    single = line(at(0, 0), at(1, 0))
+    assert with_corner(single, corner, (0, 1)) == [replace(single, corner=corner)]
