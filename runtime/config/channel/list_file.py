@@ -7,8 +7,8 @@
     makro_def[4].nc_code  P5 = P2 + 3  # an NC code is all the rest of the line, up to a comment
 
 Every parameter has a line of its own, with all of its indices; there are no includes and no blocks (manual lines 544–560,
-2238–2248, 4465–4773). In an NC code "#" begins a comment only with a blank in front and behind, since # functions begin
-with "#" too.
+2238–2248, 4465–4773). In an NC code "#" begins a comment only with a blank in front and a blank or "#" behind, and ";"
+begins none: # functions and texts of the program are meant to stay whole.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ LARGEST_LIST = 1_000_000  # bytes
 _LINE = re.compile(r"\s*(?P<key>[^\s#;]+)(?P<gap>\s*)(?P<rest>.*?)\s*\Z")
 _QUOTED = re.compile(r'"([^"]*)"\s*(.*)\Z')
 _COMMENT = re.compile(r"\s*[#;].*\Z")
-_CODE_COMMENT = re.compile(r"\s+#(?:\s.*|#.*)?\Z")
+_CODE = re.compile(r'(?:"[^"]*"|(?!(?:(?<=\s)|\A)#(?:[\s#]|\Z)).)*')  # text in quotes is no comment
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def value_text(parameter: ChannelParameter, line: ListLine) -> str | Problem:
     """The text of the value in a line, without remark and comment; "" if there is none."""
     rest = line.rest
     if parameter.kind == "CODE":
-        return _CODE_COMMENT.sub("", rest).rstrip() if rest[:2] not in ("# ", "#") else ""
+        return _without_comment(rest)
     quoted = _QUOTED.match(rest)
     if quoted is not None:
         return quoted[1]
@@ -92,6 +92,11 @@ def value_text(parameter: ChannelParameter, line: ListLine) -> str | Problem:
     if parameter.kind in ("FLAGS", "SYNCH"):
         return _joined(parameter, rest, line)
     return rest.split(maxsplit=1)[0] if rest else ""
+
+
+def _without_comment(code: str) -> str:
+    match = _CODE.match(code)
+    return match[0].rstrip() if match else ""
 
 
 def _joined(parameter: ChannelParameter, rest: str, line: ListLine) -> str | Problem:

@@ -89,10 +89,9 @@ def look_up(key: Key) -> Found | BadIndex | None:
 def suggestion(key: Key) -> str:
     """The known name nearest to a wrong key, as an addition to a message; empty if none is near."""
     wrong = pattern_of(key).lower()
-    close = get_close_matches(wrong, SPELLINGS, n=1)
-    if not close:  # the last name alone, in another group
-        last = wrong.rpartition(".")[2]
-        close = [pattern for pattern in SPELLINGS if pattern.rpartition(".")[2] == last][:1]
+    last = wrong.rpartition(".")[2]
+    same_last = [pattern for pattern in SPELLINGS if pattern.rpartition(".")[2] == last]  # in another group
+    close = get_close_matches(wrong, same_last or SPELLINGS, n=1) or same_last[:1]
     return f"; do you mean {SPELLINGS[close[0]].name!r}?" if close else ""
 
 
