@@ -195,6 +195,18 @@ class ChannelParameters(Model):
     _origins: Mapping[Key, tuple[Location, Place | None]] = PrivateAttr(default_factory=dict)
     _warnings: tuple[Contradiction, ...] = PrivateAttr(default=())
 
+    @classmethod
+    def of(
+        cls,
+        tree: Mapping[str | int, object],
+        origins: Mapping[Key, tuple[Location, Place | None]],
+        warnings: tuple[Contradiction, ...],
+    ) -> ChannelParameters:
+        """The parameters of a tree of checked values, with where they were given and what has no effect."""
+        parameters = cls.model_validate(tree)
+        parameters._origins, parameters._warnings = origins, warnings
+        return parameters
+
     @property
     def g_prog_files(self) -> dict[int, str]:
         """Number of a G function (80…89, 800…839) → global subroutine that it calls, where one is given."""

@@ -159,10 +159,7 @@ def _parameters(
         (mistakes if finding in contradictions else warnings).append(placed)
     if mistakes:
         raise ContradictionError(mistakes)
-    parameters = ChannelParameters.model_validate(_nested(values))
-    parameters._origins = origins
-    parameters._warnings = tuple(warnings)
-    return parameters
+    return ChannelParameters.of(_nested(values), origins, tuple(warnings))
 
 
 def _no_parameter(entry: _Entry, found: BadIndex | None) -> Contradiction:
