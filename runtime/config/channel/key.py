@@ -7,7 +7,7 @@ import re
 Key = tuple[str | int, ...]
 
 _KEY = re.compile(
-    r"[A-Za-z0-9_]*[A-Za-z_][A-Za-z0-9_]*(?:\[\d{1,9}\])*(?:\.[A-Za-z0-9_]*[A-Za-z_][A-Za-z0-9_]*(?:\[\d{1,9}\])*)*\Z"
+    r"[A-Za-z0-9_]*[A-Za-z_][A-Za-z0-9_]*(?:\[[0-9]{1,9}\])*(?:\.[A-Za-z0-9_]*[A-Za-z_][A-Za-z0-9_]*(?:\[[0-9]{1,9}\])*)*\Z"
 )
 _STEP = re.compile(r"\[(\d+)\]|([A-Za-z0-9_]+)")
 

@@ -9,6 +9,7 @@ A parameter may stand in one of the two only, and once.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,8 @@ from runtime.config.channel.values import ValueMistakeError, value_of, value_of_
 from runtime.config.contradictions import Contradiction, ContradictionError, Location
 from runtime.diagnostics.catalogue import configuration as errors
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem
+
+_INDEX = re.compile(r"[0-9]{1,9}\Z")
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +122,7 @@ def _steps(name: object) -> Key | None:
     if isinstance(name, int):
         return (name,)
     if isinstance(name, str):
-        return (int(name),) if name.isdecimal() else parse_key(name)
+        return (int(name),) if _INDEX.match(name) else parse_key(name)
     return None
 
 

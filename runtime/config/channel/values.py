@@ -28,8 +28,8 @@ _TYPE_LIMITS: dict[str, tuple[float, float]] = {
     "UNS32": (0, 2**32 - 1),
     "REAL64": (-math.inf, math.inf),
 }
-_INTEGER = re.compile(r"[-+]?\d+\Z|0[xX][0-9a-fA-F]+\Z")
-_REAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\Z")
+_INTEGER = re.compile(r"[-+]?[0-9]{1,30}\Z|0[xX][0-9a-fA-F]{1,16}\Z")
+_REAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?\Z")
 
 
 class ValueMistakeError(ValueError):

@@ -97,6 +97,8 @@ MISTAKES = {
     "out of range": ("max_vb_override 2001", 302010, 17, "it must be 0 to 2000"),
     "below the type": ("mittelpkt_faktor -1", 302010, 18, "1 to 65534"),
     "BOOLEAN of 2": ("p_param_haltend 2", 302008, 17, "0 or 1"),
+    "number without end": (f"max_vb_override {'9' * 5000}", 302008, 17, "a whole number"),
+    "index without end": (f"m_synch[{'9' * 5000}] MOS", 302028, 1, "has not the form"),
     "unknown keyword": ("configuration.decoder.msg_to_hmi WARN", 302015, 34, "'WARNING'?"),
     "unknown synchronisation": ("m_synch[8] MVS_SN", 302015, 12, "'MVS_SNS'?"),
     "unknown bit": ("m_synch[8] 0x10", 302015, 12, "0x10"),
