@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
-from runtime.cnc.blocks import Arc, Block, Corner, CornerKind, Line, Polyline, Source
+from runtime.cnc.blocks import Arc, Corner, CornerKind, Line, Polyline
 from runtime.cnc.decoder.circles import by_opening_angle
 from runtime.cnc.decoder.contour_lines import ContourLines
+from runtime.cnc.decoder.corners import with_corner
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import require_feed
-from runtime.cnc.decoder.modal import Motion
+from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.decoder.motion import centre_point, clockwise, emit_arc, plane_of, straight, target
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock
@@ -78,33 +78,10 @@ def corner_block(x: Execution, kind: CornerKind, column: int) -> None:
     x.flush_run()
     for place in range(len(x.out) - 1, -1, -1):
         block = x.out[place]
-        if isinstance(block, Line | Arc):
-            x.out[place] = replace(block, corner=corner)
-            return
-        if isinstance(block, Polyline):
-            x.out[place : place + 1] = _last_apart(block, corner)
+        if isinstance(block, Line | Arc | Polyline):
+            x.out[place : place + 1] = with_corner(block, corner, PLANE_AXES[x.modal.plane])
             return
     raise LineError(catalogue.CORNER_WITHOUT_MOTION, column)
-
-
-def _last_apart(run: Polyline, corner: Corner) -> list[Block]:
-    """A run whose last move stands alone, with a corner at its end."""
-    number = int(run.numbers[-1])
-    gain = 1.0 if run.pcs_gain is None else run.pcs_gain
-    last = Line(
-        Source(run.program, int(run.lines[-1]), number if number >= 0 else None),
-        run.points[-2],
-        run.points[-1],
-        float(run.feeds[-1]),
-        math.isinf(run.feeds[-1]),
-        (run.points[-1] - run.pcs_shift) / gain,
-        run.plane or (0, 1),
-        corner,
-    )
-    if len(run.feeds) == 1:
-        return [last]
-    rest = replace(run, points=run.points[:-1], feeds=run.feeds[:-1], lines=run.lines[:-1], numbers=run.numbers[:-1])
-    return [rest, last]
 
 
 def arc_by_angle(x: Execution, block: CompiledBlock, corner: Corner | None) -> bool:

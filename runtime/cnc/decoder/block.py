@@ -21,6 +21,7 @@ from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, Sta
 from runtime.cnc.decoder.modal import FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.technology import Functions, functions_of
+from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
 from runtime.cnc.language.isg.index import Unit
@@ -42,7 +43,11 @@ class WordBlocks:
     # ------------------------------------------------------------------ program start and end
 
     def begin_program(self) -> None:
-        """The configured program that every program start begins with (P-CHAN-00119)."""
+        """The configured G functions, then the program that every program start begins with (P-CHAN-00119)."""
+        for number in self._x.setup.start_g:
+            if number not in G_FUNCTIONS:
+                raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
+            G_FUNCTIONS[number].handler(self._x, GCall(number, 1))
         name = self._x.setup.start_program
         if name:
             unit, section = self._flow.program(self._x.frame, False, name, 1)

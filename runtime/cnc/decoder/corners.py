@@ -211,7 +211,7 @@ def _move(run: Polyline, index: int, plane: Plane) -> Line:
         run.points[index + 1],
         feed,
         math.isinf(feed),
-        run.points[index + 1] - run.pcs_shift,
+        (run.points[index + 1] - run.pcs_shift) / (1.0 if run.pcs_gain is None else run.pcs_gain),
         run.plane or plane,
     )
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Arc, Block, Line, Polyline
+from runtime.cnc.blocks import Arc, Block, Line, Polyline, SoftwareLimitChange
 from runtime.cnc.geometry.elements import cosine_range
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.machine import Machine
@@ -90,6 +90,10 @@ class SoftwareLimits:
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         for block in blocks:
+            if isinstance(block, SoftwareLimitChange):
+                self._low = np.array([low for low, _ in block.limits]) - ROUNDING
+                self._high = np.array([high for _, high in block.limits]) + ROUNDING
+                continue
             if isinstance(block, Polyline):
                 count = first_beyond(block.points, self._low, self._high)
                 if count < len(block.feeds):
