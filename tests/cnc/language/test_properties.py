@@ -10,7 +10,8 @@ from runtime.cnc.decoder import ProgramError
 from tests.cnc.decoder.programs import decode, problems
 from tests.cnc.language.oracle import expressions, printing, strings
 from tests.cnc.language.oracle.expressions import PARAMETERS, RANGE, Term
-from tests.cnc.language.oracle.flow import Program, Statement, TooLongError, programs
+from tests.cnc.language.oracle.flow import Program, Statement, TooLongError
+from tests.cnc.language.oracle.flow_programs import programs
 from tests.cnc.language.oracle.strings import Text
 
 # What the decoder knows. Programs with anything else must be refused before anything is executed.
