@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from runtime.cnc.decoder import ProgramError
 from tests.cnc.decoder.programs import decode, problems
-from tests.cnc.language.oracle import expressions, strings
+from tests.cnc.language.oracle import expressions, printing, strings
 from tests.cnc.language.oracle.expressions import PARAMETERS, RANGE, Term
-from tests.cnc.language.oracle.flow import Program, Statement, TooLongError, programs
+from tests.cnc.language.oracle.flow import Program, Statement, TooLongError
+from tests.cnc.language.oracle.flow_programs import programs
 from tests.cnc.language.oracle.strings import Text
 
 # What the decoder knows. Programs with anything else must be refused before anything is executed.
@@ -63,7 +64,7 @@ def test_functions_in_expressions(term: Term) -> None:
 # -- flow ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("isg.flow.if", "isg.flow.for", "isg.flow.while", "isg.sub.local-call", "isg.param.program-global")
+@pytest.mark.spec("isg.flow.if", "isg.flow.for", "isg.flow.while", "isg.sub.local-call")
 @settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow])
 @given(programs(FLOW), st.lists(st.integers(0, 99), max_size=20))
 def test_nested_flow_runs_as_the_manual_tells(program: Program, dress: list[int]) -> None:
@@ -122,3 +123,41 @@ def test_string_comparisons(comparison: Term) -> None:
     else:
         with pytest.raises(ProgramError):
             decode(text)
+
+
+# -- blocks --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.spec("isg.lex.block-structure", "isg.g.dimension-g90-g91", "isg.g.zero-offset-g53-g59", "isg.mh.feed-f")
+@settings(max_examples=100)
+@given(printing.blocks())
+def test_blocks_end_where_their_words_say(blocks: list[printing.Block]) -> None:
+    run = decode(printing.plainly(blocks))
+    assert run.problem is None
+    expected = printing.moves(blocks)
+    assert run.ends == [pytest.approx([value / 1000 for value in end], abs=1e-9) for end, _ in expected]
+    assert [row["feed"] for row in run.rows if "feed" in row] == [feed for _, feed in expected]
+
+
+@pytest.mark.spec("isg.lex.block-structure", "isg.lex.comments", "isg.lex.number-formats", "isg.flow.block-number")
+@settings(max_examples=100)
+@given(printing.blocks(), st.integers(0, 2**32))
+def test_the_way_of_writing_does_not_matter(blocks: list[printing.Block], seed: int) -> None:
+    plain, other = decode(printing.plainly(blocks)), decode(printing.somehow(blocks, seed))
+    assert plain.problem is None
+    assert other.problem is None
+    assert other.rows == plain.rows
+
+
+@settings(max_examples=100)
+@given(printing.blocks())
+def test_printing_and_reading_again_gives_the_same_blocks(blocks: list[printing.Block]) -> None:
+    rows = decode(printing.plainly(blocks)).rows
+    again = decode(printing.rewritten(rows))
+    assert again.problem is None
+    assert len(again.rows) == len(rows)
+    for row, other in zip(rows, again.rows, strict=True):
+        assert set(row) == set(other)
+        for key in set(row) - {"line", "to_pcs"}:  # zero offsets are gone, so programmed coordinates are others
+            expected = row[key]
+            assert other[key] == (pytest.approx(expected, abs=1e-6) if isinstance(expected, float | dict) else expected)

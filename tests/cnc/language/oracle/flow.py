@@ -1,9 +1,9 @@
-"""Random programs of nested flow: a tree that is printed as an NC program, and run by a small interpreter.
+"""Programs of nested flow: a tree that is printed as an NC program, and run by a small interpreter.
 
-    programs(…) ──▶ Program ──┬─ lines() ──▶ the decoder ──▶ parameters, positions of X
-                              └─ outcome() ──────────────▶ the same, or something is wrong
+    Program ──┬─ text() ──▶ the decoder ──▶ parameters, positions of X
+              └─ outcome() ────────────▶ the same, or something is wrong
 
-Every loop counts a parameter of its own down (or is a $FOR), so all programs end. Conditions are numbers: true from |0.5| on.
+Conditions are numbers: true from |0.5| on.
 $BREAK leaves the innermost loop or $SWITCH; $CONTINUE goes on with the innermost loop, in $DO and $REPEAT at the condition.
 A $CASE ends with its $BREAK unless it is the last one, since the manual does not tell what happens without.
 """
@@ -15,11 +15,8 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Protocol
 
-from hypothesis import strategies as st
-
 STEPS = 4000  # statements that a program may execute
 SWITCH_TOLERANCE = 0.001  # line 8531
-LOOP_PARAMETERS = 50  # P50 … are counters of loops, nothing else writes them
 VARIABLES = (1, 2, 3, 4, 5)
 
 
@@ -41,7 +38,7 @@ class TooLongError(Exception):
     """The program executes more than STEPS statements."""
 
 
-class _End(Enum):
+class End(Enum):
     """How a body ended."""
 
     NORMAL = auto()
@@ -70,7 +67,7 @@ class Node(Protocol):
 
     def lines(self) -> Iterator[str]: ...
 
-    def run(self, machine: Machine) -> _End: ...
+    def run(self, machine: Machine) -> End: ...
 
 
 Body = tuple[Node, ...]
@@ -81,13 +78,13 @@ def _print(body: Body) -> Iterator[str]:
         yield from node.lines()
 
 
-def _run(body: Body, machine: Machine) -> _End:
+def _run(body: Body, machine: Machine) -> End:
     for node in body:
         machine.step()
         end = node.run(machine)
-        if end is not _End.NORMAL:
+        if end is not End.NORMAL:
             return end
-    return _End.NORMAL
+    return End.NORMAL
 
 
 # -- numbers -------------------------------------------------------------------------------------------------------
@@ -146,10 +143,10 @@ class Assign:
     def lines(self) -> Iterator[str]:
         yield f"P{self.parameter} = [{self.number.text()}] MOD 50"
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         value = self.number.value(machine)
         machine.parameters[self.parameter] = abs(value) % 50 * (-1 if value < 0 else 1)
-        return _End.NORMAL
+        return End.NORMAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,9 +159,9 @@ class Move:
         text = self.place.text()
         yield f"X{text}" if self.place.parameter is None and self.place.other is None else f"X[{text}]"
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         machine.positions.append(self.place.value(machine))
-        return _End.NORMAL
+        return End.NORMAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +178,7 @@ class If:
             yield from _print(self.otherwise)
         yield "$ENDIF"
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         for condition, body in self.branches:
             if _true(condition.value(machine)):
                 return _run(body, machine)
@@ -206,7 +203,7 @@ class Switch:
             yield from _print(self.default)
         yield "$ENDSWITCH"
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         value = self.number.value(machine)
         chosen = self.default or ()
         for number, body in self.cases:
@@ -214,7 +211,7 @@ class Switch:
                 chosen = body
                 break
         end = _run(chosen, machine)
-        return _End.NORMAL if end is _End.BREAK else end
+        return End.NORMAL if end is End.BREAK else end
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,19 +227,19 @@ class For:
         yield from _print(self.body)
         yield "$ENDFOR"
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         parameters = machine.parameters
         first, last = self.first.value(machine), self.last.value(machine)
         parameters[self.parameter] = first
         while parameters[self.parameter] <= last if self.step > 0 else parameters[self.parameter] >= last:
             machine.step()
             end = _run(self.body, machine)
-            if end is _End.BREAK:
+            if end is End.BREAK:
                 break
-            if end is _End.RETURN:
+            if end is End.RETURN:
                 return end
             parameters[self.parameter] += self.step
-        return _End.NORMAL
+        return End.NORMAL
 
 
 class LoopKind(Enum):
@@ -272,30 +269,30 @@ class Loop:
         yield from _print(self.body)
         yield end
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         machine.parameters[self.counter] = self.passes
         if self.kind is LoopKind.WHILE and self.passes <= 0:
-            return _End.NORMAL
+            return End.NORMAL
         while True:
             machine.step()
             machine.parameters[self.counter] -= 1
             end = _run(self.body, machine)
-            if end is _End.RETURN:
+            if end is End.RETURN:
                 return end
-            if end is _End.BREAK or machine.parameters[self.counter] <= 0:
-                return _End.NORMAL
+            if end is End.BREAK or machine.parameters[self.counter] <= 0:
+                return End.NORMAL
 
 
 @dataclass(frozen=True, slots=True)
 class Leave:
     """$BREAK, $CONTINUE, and M17 in the middle of a subprogram."""
 
-    end: _End
+    end: End
 
     def lines(self) -> Iterator[str]:
-        yield {_End.BREAK: "$BREAK", _End.CONTINUE: "$CONTINUE", _End.RETURN: "M17"}[self.end]
+        yield {End.BREAK: "$BREAK", End.CONTINUE: "$CONTINUE", End.RETURN: "M17"}[self.end]
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         return self.end
 
 
@@ -308,9 +305,9 @@ class Call:
     def lines(self) -> Iterator[str]:
         yield f"LL SUB{self.number}"
 
-    def run(self, machine: Machine) -> _End:
+    def run(self, machine: Machine) -> End:
         _run(machine.subprograms[self.number], machine)
-        return _End.NORMAL
+        return End.NORMAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -359,126 +356,3 @@ def _dressed(line: str, dress: int) -> str:
         case 6:
             return f"N{dress}\t{line}  "
     return line
-
-
-# -- random ones ---------------------------------------------------------------------------------------------------
-
-_literals = st.sampled_from((0.0, 1.0, 2.0, 3.0, 0.25, 0.49, 0.5, 12.5)).map(Number)
-_variables = st.sampled_from(VARIABLES).map(lambda parameter: Number(parameter=parameter))
-_operands = st.one_of(_literals, _variables, _variables)
-numbers = st.one_of(
-    _operands,
-    st.builds(
-        lambda operator, first, second: Number(first.literal, first.parameter, operator, second),
-        st.sampled_from(("+", "-", "*")),
-        _operands,
-        _operands,
-    ),
-)
-conditions = st.one_of(
-    numbers,
-    st.builds(
-        lambda operator, first, second: Number(first.literal, first.parameter, operator, second),
-        st.sampled_from((">", "<=", "==")),
-        _operands,
-        _operands,
-    ),
-)
-
-
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """Where a statement stands: how many structures may still be nested, around it a loop, a $SWITCH, a subprogram."""
-
-    statements: frozenset[Statement]
-    depth: int
-    counter: int
-    callable: int
-    in_loop: bool = False
-    in_switch: bool = False
-    in_subprogram: bool = False
-
-    def inner(self, *, loop: bool = False, switch: bool = False) -> _Place:
-        return _Place(
-            self.statements,
-            self.depth - 1,
-            self.counter + 1,
-            self.callable,
-            self.in_loop or loop,
-            switch or (self.in_switch and not loop),
-            self.in_subprogram,
-        )
-
-
-@st.composite
-def _bodies(draw: st.DrawFn, place: _Place, least: int = 0) -> Body:
-    count = draw(st.integers(least, 3))
-    return tuple(draw(_node(place)) for _ in range(count))
-
-
-@st.composite
-def _node(draw: st.DrawFn, place: _Place) -> Node:
-    choices: list[Statement | None] = [None, None]
-    if place.depth > 0:
-        nested = (Statement.IF, Statement.FOR, Statement.WHILE, Statement.SWITCH, Statement.DO, Statement.REPEAT)
-        choices += [statement for statement in nested if statement in place.statements]
-    if place.callable and Statement.CALL in place.statements:
-        choices.append(Statement.CALL)
-    statement = draw(st.sampled_from(choices))
-    match statement:
-        case None:
-            return draw(_simple(place))
-        case Statement.IF:
-            bodies = _bodies(place.inner())
-            branches = draw(st.lists(st.tuples(conditions, bodies), min_size=1, max_size=3))
-            return If(tuple(branches), draw(st.none() | _leaving(place.inner()) | bodies))
-        case Statement.SWITCH:
-            bodies = _bodies(place.inner(switch=True))
-            values = st.one_of(_literals, _variables)
-            cases = draw(st.lists(st.tuples(values, bodies), min_size=1, max_size=3))
-            return Switch(draw(numbers), tuple(cases), draw(st.none() | bodies))
-        case Statement.FOR:
-            step = draw(st.sampled_from((1.0, 2.0, -1.0)))
-            first, last = draw(_literals), draw(_operands)
-            return For(LOOP_PARAMETERS + place.counter, first, last, step, draw(_bodies(place.inner(loop=True))))
-        case Statement.CALL:
-            return Call(draw(st.integers(0, place.callable - 1)))
-    kind = LoopKind[statement.name]
-    passes = draw(st.integers(0, 3))
-    return Loop(kind, LOOP_PARAMETERS + place.counter, passes, draw(_bodies(place.inner(loop=True), 1)))
-
-
-def _simple(place: _Place) -> st.SearchStrategy[Node]:
-    return st.one_of(
-        st.builds(Assign, st.sampled_from(VARIABLES), numbers),
-        st.builds(Move, numbers),
-        st.builds(Move, numbers),
-    )
-
-
-def _leaving(place: _Place) -> st.SearchStrategy[Body]:
-    """A branch that ends with a jump out of what is around it, where there is something."""
-    ends: list[_End] = []
-    if (place.in_loop or place.in_switch) and Statement.BREAK in place.statements:
-        ends.append(_End.BREAK)
-    if place.in_loop and Statement.CONTINUE in place.statements:
-        ends.append(_End.CONTINUE)
-    if place.in_subprogram:
-        ends.append(_End.RETURN)
-    if not ends:
-        return st.just(())
-    leave = st.sampled_from(ends).map(Leave)
-    return st.builds(lambda before, last: (*before, last), _bodies(place), leave)
-
-
-@st.composite
-def programs(draw: st.DrawFn, statements: frozenset[Statement], depth: int = 4) -> Program:
-    """Programs of these statements, nested up to `depth` structures deep, with up to three subprograms."""
-    subprograms: list[Body] = []
-    if Statement.CALL in statements:
-        for number in range(draw(st.integers(0, 3))):
-            # The counters of a subprogram are its own: loops of those who call it run meanwhile.
-            place = _Place(statements, 2, 10 * (number + 1), number, in_subprogram=True)
-            subprograms.append(draw(_bodies(place, 1)))
-    main = draw(_bodies(_Place(statements, depth, 0, len(subprograms)), 2))
-    return Program(tuple(subprograms), main)
