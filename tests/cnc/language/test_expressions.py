@@ -244,12 +244,15 @@ def test_functions(text: str, expected: float) -> None:
     assert value(text) == pytest.approx(expected, abs=1e-12)
 
 
-def test_every_function_is_tested() -> None:
-    source = open(__file__).read()  # noqa: SIM115
-    assert [name for name in NUMERIC if f"{name}[" not in source.replace("sin[", "SIN[")] == []
-
-
 NUMERIC = sorted(name for name, function in FUNCTIONS.items() if ValueKind.STRING not in function.takes)
+PLAIN = [
+    name for name in NUMERIC if FUNCTIONS[name].gives is ValueKind.NUMBER and ValueKind.ANY not in FUNCTIONS[name].takes
+]  # those with strings are tested with the strings
+
+
+def test_every_function_is_tested() -> None:
+    source = open(__file__).read().replace("sin[", "SIN[")  # noqa: SIM115
+    assert [name for name in PLAIN if f"{name}[" not in source] == []
 
 
 @given(st.sampled_from(NUMERIC), st.floats(-1e9, 1e9), st.floats(-1e9, 1e9))

@@ -6,17 +6,12 @@ import pytest
 from hypothesis import HealthCheck, assume, given, reject, settings
 from hypothesis import strategies as st
 
-from runtime.cnc.decoder import ProgramError
 from tests.cnc.decoder.programs import decode, problems
 from tests.cnc.language.oracle import expressions, printing, strings
 from tests.cnc.language.oracle.expressions import PARAMETERS, RANGE, Term
 from tests.cnc.language.oracle.flow import Program, Statement, TooLongError
 from tests.cnc.language.oracle.flow_programs import programs
 from tests.cnc.language.oracle.strings import Text
-
-# What the decoder knows. Programs with anything else must be refused before anything is executed.
-STRINGS = False
-FLOW = frozenset({Statement.IF, Statement.FOR, Statement.WHILE, Statement.CALL})
 
 _WRITTEN = " ".join(f"P{number} = {value:g}" for number, value in PARAMETERS.items())
 
@@ -64,9 +59,18 @@ def test_functions_in_expressions(term: Term) -> None:
 # -- flow ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("isg.flow.if", "isg.flow.for", "isg.flow.while", "isg.sub.local-call")
+@pytest.mark.spec(
+    "isg.flow.if",
+    "isg.flow.for",
+    "isg.flow.while",
+    "isg.flow.switch",
+    "isg.flow.do-repeat",
+    "isg.flow.break",
+    "isg.flow.continue",
+    "isg.sub.local-call",
+)
 @settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow])
-@given(programs(FLOW), st.lists(st.integers(0, 99), max_size=20))
+@given(programs(frozenset(Statement)), st.lists(st.integers(0, 99), max_size=20))
 def test_nested_flow_runs_as_the_manual_tells(program: Program, dress: list[int]) -> None:
     try:
         parameters, positions = program.outcome()
@@ -78,51 +82,36 @@ def test_nested_flow_runs_as_the_manual_tells(program: Program, dress: list[int]
     assert [end[0] for end in run.ends] == positions
 
 
-@settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
-@given(programs(frozenset(Statement)))
-def test_statements_that_are_not_known_are_refused(program: Program) -> None:
-    assume(program.statements - FLOW)
-    with pytest.raises(ProgramError):
-        decode(program.text())
-
-
 # -- strings -------------------------------------------------------------------------------------------------------
 
 
-def told(question: Term) -> float | None:
-    """The answer of the decoder to a numeric question about strings, None if it does not know strings."""
-    text = f"P99 = {question.text}\nM30\n"
-    if STRINGS:
-        return decode(text).parameters[99]
-    with pytest.raises(ProgramError):
-        decode(text)
-    return None
+def told(question: Term) -> float:
+    """The answer of the decoder to a numeric question about strings."""
+    return decode(f"P99 = {question.text}\nM30\n").parameters[99]
 
 
+@pytest.mark.spec("isg.lex.string-substrings", "isg.lex.string-edit", "isg.lex.string-ord", "isg.lex.string-conversion")
 @settings(max_examples=200)
 @given(strings.questions)
 def test_string_functions(question: Term) -> None:
-    assert told(question) == (pytest.approx(question.value) if STRINGS else None)
+    assert told(question) == pytest.approx(question.value)
 
 
 @settings(max_examples=100)
 @given(strings.strings)
 def test_string_results_character_by_character(text: Text) -> None:
     """Length and place of the whole text in itself: only the text itself has both."""
-    assert told(strings.length(text)) == (len(text.value) if STRINGS else None)
+    assert told(strings.length(text)) == len(text.value)
     if text.value:
-        assert told(strings.found(text, strings.literal(text.value))) == (1 if STRINGS else None)
+        assert told(strings.found(text, strings.literal(text.value))) == 1
 
 
+@pytest.mark.spec("isg.lex.string-compare")
 @settings(max_examples=100)
 @given(strings.comparisons)
 def test_string_comparisons(comparison: Term) -> None:
     text = f"P99 = 0\n$IF {comparison.text}\nP99 = 1\n$ENDIF\nM30\n"
-    if STRINGS:
-        assert decode(text).parameters[99] == comparison.value
-    else:
-        with pytest.raises(ProgramError):
-            decode(text)
+    assert decode(text).parameters[99] == comparison.value
 
 
 # -- blocks --------------------------------------------------------------------------------------------------------

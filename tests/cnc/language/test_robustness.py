@@ -78,5 +78,6 @@ def test_the_table_of_g_functions() -> None:
     assert set(G_FUNCTIONS) <= G_NUMBERS
     for number, function in G_FUNCTIONS.items():
         assert function.syntax.number == number
-        assert function.syntax.spec and all(name.startswith("isg.") for name in function.syntax.spec)
+        assert function.syntax.spec
+        assert all(name.startswith("isg.") for name in function.syntax.spec)
         assert function.syntax.syntax

@@ -145,8 +145,13 @@ class Unit:
         self._offset, self._line = text.start, 1
         self._window: Bytes = text.window(text.start, 0)
         self._window_base = text.start
-        self._scanner = PlainScanner(addresses, RUN)
-        self._scanned = (-1, 0)  # entry whose rows the scanner holds, and the offset that their starts count from
+        # Two scanners by turns: the index is mostly one entry ahead of the execution, which still needs the rows before.
+        self._scanners = (PlainScanner(addresses, RUN), PlainScanner(addresses, RUN))
+        self._scanned = [
+            (-1, 0),
+            (-1, 0),
+        ]  # entry whose rows a scanner holds, and the offset that their starts count from
+        self._turn = 0  # the scanner whose rows are older
         self._comment_depth = 0
         self._comment_line = 0
         self.ended = False
@@ -253,16 +258,23 @@ class Unit:
         return BlockText(joined, line, tuple(pieces), tuple(lines))
 
     def rows(self, entry: int) -> tuple[PlainRows, int]:
-        """The scanned rows of a plain entry, valid until the next call or growth; and the offset their starts count from."""
-        if self._scanned[0] != entry:
-            offset = self.offset(entry)
-            window = self.text.window(offset, WINDOW)
-            count, _, _ = self._scanner.scan(window, 0, offset + window.size >= self.text.size)
-            if count < self.count(entry):  # a run that is longer than a window
-                window = self.text.window(offset, WINDOW * 16)
-                self._scanner.scan(window, 0, offset + window.size >= self.text.size)
-            self._scanned = (entry, offset)
-        return self._scanner.rows, self._scanned[1]
+        """The scanned rows of a plain entry, valid until the index has grown twice; and the offset their starts count from."""
+        for scanner, (held, base) in zip(self._scanners, self._scanned, strict=True):
+            if held == entry:
+                return scanner.rows, base
+        offset, scanner = self.offset(entry), self._scanners[self._turn]
+        for windows in (1, 16):  # a run may be longer than a window
+            window = self.text.window(offset, WINDOW * windows)
+            count, _, _ = scanner.scan(window, 0, offset + window.size >= self.text.size)
+            if count >= self.count(entry):
+                break
+        self._keep(entry, offset)
+        return scanner.rows, offset
+
+    def _keep(self, entry: int, base: int) -> None:
+        """The rows that the scanner of this turn holds are those of `entry`."""
+        self._scanned[self._turn] = (entry, base)
+        self._turn = 1 - self._turn
 
     def forget(self, entry: int) -> None:
         """Entries before `entry` of the main program are not needed any more; label-free programs only let go of them."""
@@ -309,11 +321,11 @@ class Unit:
         if not 0 <= begin <= size or (not final and begin > size - 2 * MAX_BLOCK):
             self._window, self._window_base = self.text.window(self._offset, WINDOW), self._offset
             begin, final = 0, self._offset + self._window.size >= self.text.size
-        count, end, _ = self._scanner.scan(self._window, begin, final)
+        self._scanned[self._turn] = (-1, 0)
+        count, end, _ = self._scanners[self._turn].scan(self._window, begin, final)
         if not count:
             return False
-        entry = self._append(self._offset, self._line, count)
-        self._scanned = (entry, self._window_base)
+        self._keep(self._append(self._offset, self._line, count), self._window_base)
         self._offset, self._line = self._window_base + end, self._line + count
         return True
 
