@@ -123,6 +123,7 @@ class Preparation:
             program,
             self._setup,
             start=order.start,
+            outside=outside,
             skip_levels=lambda: order.skip_levels,
             interrupted=lambda: self._link.waiting_order is not Order.NONE,
         )
