@@ -16,6 +16,7 @@ from runtime.cnc.blocks import (
     Message,
     Polyline,
     Source,
+    SpatialArc,
     Stop,
     TechnologyFunction,
     TimerAction,
@@ -31,9 +32,10 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
     Every row has `line`, `n` (block number or None), `program`, `type`. Motion: `from`, `to` (axis name → machine
     coordinate, mm or degrees), `to_pcs` (programmed coordinates), `feed` (mm/min, None for rapid), `rapid`; arcs and
     helices also `centre` (axis name → mm), `radius` (mm), `angle` (degrees, counter-clockwise positive) and `plane`
-    ("XY"). Functions: `number`, `value`, `synch`, for S `spindle`. Dwell: `seconds`. Stop, flush: `kind`.
-    Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`. External variable: `offset` (bytes),
-    `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`, `further`.
+    ("XY"), arcs in space `normal` (unit vector) in its place. Functions: `number`, `value`, `synch`, for S `spindle`.
+    Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
+    External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
+    `further`.
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
@@ -47,6 +49,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         }
     elif isinstance(block, Arc):
         yield _arc(block, axis_names)
+    elif isinstance(block, SpatialArc):
+        yield _spatial_arc(block, axis_names)
     elif isinstance(block, Dwell):
         yield {**_source(block.source, "dwell"), "seconds": block.seconds}
     elif isinstance(block, TechnologyFunction):
@@ -118,7 +122,21 @@ def _arc(block: Arc, names: Sequence[str]) -> Row:
         "radius": block.radius,
         "angle": block.angle,
         "plane": first + second,
-        **_feed(block.feed, False),
+        **_feed(block.feed, math.isinf(block.feed)),
+    }
+
+
+def _spatial_arc(block: SpatialArc, names: Sequence[str]) -> Row:
+    return {
+        **_source(block.source, "arc"),
+        "from": _axes(block.start, names),
+        "to": _axes(block.end, names),
+        "to_pcs": _axes(block.end_pcs, names),
+        "centre": _axes(block.centre, names[:3]),
+        "radius": math.dist(block.start[:3], block.centre),
+        "angle": block.angle,
+        "normal": block.normal.tolist(),
+        **_feed(block.feed, math.isinf(block.feed)),
     }
 
 

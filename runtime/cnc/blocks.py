@@ -86,6 +86,7 @@ class Line:
     plane: tuple[int, int] = (0, 1)
     corner: Corner | None = None
     end_feed: float | None = None
+    override_off: bool = False  # G166: every override counts as 100 %
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +109,7 @@ class Arc:
     angle: float
     corner: Corner | None = None
     end_feed: float | None = None
+    override_off: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +201,17 @@ class BlockEnd:
     """The end of an NC block that has motion: where single block stops."""
 
     source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class SoftwareLimitChange:
+    """G98, G99: the software limits from here on, (negative, positive) per axis, ±inf where there is none.
+
+    Taken by the stage that watches the limits; it does not reach the queue.
+    """
+
+    source: Source
+    limits: tuple[tuple[float, float], ...]
 
 
 class FlushKind(Enum):
@@ -301,6 +314,7 @@ Block = (
     | Dwell
     | Stop
     | BlockEnd
+    | SoftwareLimitChange
     | Flush
     | Hold
     | Message

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from runtime.cnc.blocks import Block
-from runtime.cnc.decoder import Decoder, DecoderSetup, Program, load_program, located
+from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits
+from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -48,7 +48,8 @@ class Preparation:
         self._names = machine.channels[channel].axes
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
-        self._software_limits = SoftwareLimits.of(machine, channel)
+        self._memory = ChannelMemory(self._setup)
+        self._machine, self._channel = machine, channel
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
         self._link = link
@@ -108,7 +109,7 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = self._software_limits(source)
+        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(source))
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
@@ -123,6 +124,7 @@ class Preparation:
             program,
             self._setup,
             start=order.start,
+            memory=self._memory,
             outside=outside,
             skip_levels=lambda: order.skip_levels,
             interrupted=lambda: self._link.waiting_order is not Order.NONE,

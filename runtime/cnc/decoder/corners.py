@@ -183,29 +183,52 @@ def _beginning(block: Block, plane: Plane) -> list[Block]:
     """The motion a block begins with, and what is left of the block; `plane` if the block knows none."""
     if not isinstance(block, Polyline):
         return [block]
-    line = first_move(block, plane)
+    line, rest = _move(block, 0, plane), _moves(block, 1, len(block.feeds))
     end = [] if block.one_block else [BlockEnd(line.source)]
-    if len(block.feeds) == 1:
-        return [line, *end]
-    rest = replace(
-        block, points=block.points[1:], feeds=block.feeds[1:], lines=block.lines[1:], numbers=block.numbers[1:]
-    )
-    return [line, *end, rest]
+    return [line, *end, *rest]
 
 
-def first_move(run: Polyline, plane: Plane) -> Line:
-    """The first segment of a run as a block of its own; in the plane of the run, in `plane` if the run has none."""
-    number = int(run.numbers[0])
-    feed = float(run.feeds[0])
+def with_corner(block: Line | Arc | Polyline, corner: Corner, plane: Plane) -> list[Block]:
+    """`block` with a corner at its end, for a chamfer or rounding that is programmed in a block of its own.
+
+    Of a run the last move is split off, with its BlockEnd; `plane` is its plane if the run knows none.
+    """
+    if not isinstance(block, Polyline):
+        return [replace(block, corner=corner)]
+    last = len(block.feeds) - 1
+    line = replace(_move(block, last, plane), corner=corner)
+    end = [] if block.one_block else [BlockEnd(line.source)]
+    return [*_moves(block, 0, last), line, *end]
+
+
+def _move(run: Polyline, index: int, plane: Plane) -> Line:
+    """A segment of a run as a block of its own."""
+    number = int(run.numbers[index])
+    feed = float(run.feeds[index])
     return Line(
-        Source(run.program, int(run.lines[0]), number if number >= 0 else None),
-        run.points[0],
-        run.points[1],
+        Source(run.program, int(run.lines[index]), number if number >= 0 else None),
+        run.points[index],
+        run.points[index + 1],
         feed,
         math.isinf(feed),
-        run.points[1] - run.pcs_shift,
+        (run.points[index + 1] - run.pcs_shift) / (1.0 if run.pcs_gain is None else run.pcs_gain),
         run.plane or plane,
     )
+
+
+def _moves(run: Polyline, first: int, behind: int) -> list[Block]:
+    """The segments from `first` to before `behind` as a run; nothing if there are none."""
+    if first >= behind:
+        return []
+    return [
+        replace(
+            run,
+            points=run.points[first : behind + 1],
+            feeds=run.feeds[first:behind],
+            lines=run.lines[first:behind],
+            numbers=run.numbers[first:behind],
+        )
+    ]
 
 
 # -- what the corner sees of a motion

@@ -253,7 +253,7 @@ class QueueWriter:
         records["line"] = block.lines
         records["n"] = block.numbers
         records["program"] = self.queue.program_id(block.program)
-        records["block_end"] = 1
+        records["block_end"] = 0 if block.one_block else 1
         return self._lines(records, block.points, block.feeds, block.program, keep_empty=True)
 
     def _lines(self, records: Records, points: Floats, feeds: Floats, program: str, *, keep_empty: bool) -> Records:
@@ -338,7 +338,7 @@ class QueueWriter:
             arc.end[None, :],
             np.array([length]),
             np.array([arc.feed / 60.0]),
-            np.array([False]),
+            np.array([math.isinf(arc.feed)]),
             dynamics,
         )
         self._before, self._place = after, arc.end

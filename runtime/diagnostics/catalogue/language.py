@@ -516,13 +516,6 @@ CONTOUR_LINE_INCREMENTAL = ErrorEntry(
     remedy="program G90: the corner before it is not known yet",
     source="programming manual line 2822",
 )
-CONTOUR_LINE_CIRCLE = ErrorEntry(
-    300415,
-    "#ANG has no meaning with G0{motion}",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="contour lines are straight: program G01 or G00",
-    source="programming manual line 2707",
-)
 ARC_POINTS_EQUAL = ErrorEntry(
     300416,
     "{first} and {second} of the arc in space are the same point",
@@ -549,4 +542,86 @@ RADIUS_DIFFERENCE = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="check {letters} and the target, or use G165",
     source="P-CHAN-00171, P-CHAN-00172",
+)
+
+# -- coordinates and offsets ---------------------------------------------------------------------------------------
+
+ROTATION_ENDED = ErrorEntry(
+    300430,
+    "G{number} ends the contour rotation",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="programming manual line 14643",
+)
+ROTATION_AXES = ErrorEntry(300431, "the centre of rotation takes only {axes}", reaction=Reaction.STOP_AT_BLOCK_END)
+MIRROR_VALUE = ErrorEntry(300432, "G351 takes -1 (mirrored) or 1, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END)
+SCALE_FACTOR = ErrorEntry(300433, "scale factor {value:.9g} must be above 0", reaction=Reaction.STOP_AT_BLOCK_END)
+SCALE_ACTIVE = ErrorEntry(
+    300434,
+    "scale factors cannot be changed while scaling is on",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program #SCALE OFF before",
+)
+SCALE_AXIS = ErrorEntry(300435, "axis {axis} is not linear and cannot be scaled", reaction=Reaction.STOP_AT_BLOCK_END)
+ZERO_OFFSET_INDEX = ErrorEntry(
+    300436, "zero offset {value:.9g} does not exist, there are 0 to {last}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FLAG_VALUE = ErrorEntry(300437, "0 or 1 is expected, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END)
+LIMITS_REVERSED = ErrorEntry(
+    300438,
+    "the positive software limit of axis {axis} must lie above the negative one",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+LIMIT_CLAMPED_NEGATIVE = ErrorEntry(
+    21648,
+    "negative software limit of axis {axis} is kept at {limit:.9g}",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="P-CHAN-00498",
+)
+LIMIT_CLAMPED_POSITIVE = ErrorEntry(
+    21650,
+    "positive software limit of axis {axis} is kept at {limit:.9g}",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="P-CHAN-00498",
+)
+PRESET_MIRRORED = ErrorEntry(
+    300439, "position preset is not possible while mirroring is on", reaction=Reaction.STOP_AT_BLOCK_END
+)
+SUPPRESS_AXES = ErrorEntry(
+    300440, "#SUPPRESS OFFSETS needs axis words in its block", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FEED_CHANGE_START = ErrorEntry(
+    300441,
+    "G{number} needs G94 and a feed to begin with",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program F in a block before",
+)
+ANGLE_WITHOUT_CIRCLE = ErrorEntry(300442, "#CANG belongs to G02 and G03", reaction=Reaction.STOP_AT_BLOCK_END)
+ANGLE_WITH_CIRCLE = ErrorEntry(
+    300443, "#ANG makes straight lines: not with G02 and G03", reaction=Reaction.STOP_AT_BLOCK_END
+)
+ANGLE_AND_TARGET = ErrorEntry(
+    300444,
+    "#CANG gives the target in the plane, no coordinates may stand beside it",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+CORNER_TWICE = ErrorEntry(
+    300445, "only one chamfer or rounding can stand at the end of a block", reaction=Reaction.STOP_AT_BLOCK_END
+)
+CORNER_FEED_ALONE = ErrorEntry(
+    300446, "#FRC needs the chamfer or rounding that it belongs to", reaction=Reaction.STOP_AT_BLOCK_END
+)
+CORNER_BLOCK = ErrorEntry(
+    300447,
+    "G301 and G302 without a value are blocks of their own: no axis words",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write G301=.. or G302=.. in the block of the first motion",
+)
+ARC_MAIN_AXES = ErrorEntry(
+    300448, "G303 needs three main axes, the channel has {axes}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FEED_CHANGE_CORNER = ErrorEntry(
+    300450, "no chamfer or rounding in a block with a linear feed change", reaction=Reaction.STOP_AT_BLOCK_END
 )

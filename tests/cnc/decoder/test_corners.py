@@ -33,9 +33,10 @@ from runtime.cnc.blocks import (
     Technology,
     TechnologyFunction,
 )
-from runtime.cnc.decoder.corners import CornerError, Corners
+from runtime.cnc.decoder.corners import CornerError, Corners, with_corner
 from runtime.cnc.geometry.elements import arc_at, line_at
 from runtime.diagnostics.catalogue import language as catalogue
+from tests.cnc.interpolator.driving import check_path_laws, drive, limits
 
 WIDTH, LENGTH, ROUNDING = CornerKind.CHAMFER_WIDTH, CornerKind.CHAMFER_LENGTH, CornerKind.ROUNDING
 
@@ -85,7 +86,6 @@ def motions(blocks: Iterable[Block]) -> list[Line | Arc]:
 # -- numbers of the manual
 
 
-@pytest.mark.spec("isg.g.chamfer-rounding-geometry")
 def test_a_chamfer_at_a_right_angle() -> None:
     a = line(at(100, 0), at(100, 100), Corner(WIDTH, 20.0))
     first, insert, second = motions(worked(a, line(a.end, at(40, 100))))
@@ -107,7 +107,6 @@ def test_the_length_of_a_chamfer_is_that_of_the_line() -> None:
     assert insert.end[0] == pytest.approx(35.0 / math.sqrt(2.0), abs=1e-9)
 
 
-@pytest.mark.spec("isg.g.chamfer-rounding-geometry")
 def test_a_pocket_with_rounded_corners() -> None:
     places = [at(0, 0), at(200, 0), at(200, 100), at(0, 100), at(0, 0), at(40, 0)]
     rounded = Corner(ROUNDING, 20.0)
@@ -127,6 +126,20 @@ def test_a_pocket_with_rounded_corners() -> None:
     np.testing.assert_allclose(out[2].end, at(200, 80), atol=1e-9)
 
 
+def test_a_rounded_pocket_is_driven_without_slowing_down() -> None:
+    places = [at(50, 0), at(200, 0), at(200, 100), at(0, 100), at(0, 0), at(50, 0)]
+    blocks = [
+        line(a, b, Corner(ROUNDING, 20.0) if number < 5 else None, number, 6000.0)
+        for number, (a, b) in enumerate(pairwise(places), 1)
+    ]
+    run = drive(worked(*blocks), limits(400.0, 4000.0, 6e4, 5.0), places[0])
+    check_path_laws(run)
+    assert run.finished
+    np.testing.assert_allclose(run.path[-1], places[-1], atol=1e-9)
+    on_the_way = np.array(run.v)[200:-200]
+    assert on_the_way.min() == pytest.approx(100.0)
+
+
 def test_sizes_that_use_an_element_up_leave_one_without_length() -> None:
     places = [at(0, 0), at(100, 0), at(100, 100), at(0, 100)]
     corner = Corner(ROUNDING, 50.0)
@@ -136,7 +149,6 @@ def test_sizes_that_use_an_element_up_leave_one_without_length() -> None:
     np.testing.assert_allclose(out[2].start, out[2].end, atol=1e-6)
 
 
-@pytest.mark.spec("isg.g.chamfer-rounding-geometry")
 def test_a_rounding_between_arcs_outside_them() -> None:
     a = arc(at(0, 0), at(40, 0), -180.0, Corner(ROUNDING, 40.0))  # the corner is seen from above 180 degrees
     b = arc(at(80, 0), at(105, -15), -118.0)
@@ -156,7 +168,6 @@ def test_a_rounding_between_arcs_outside_them() -> None:
     np.testing.assert_array_equal(second.centre, b.centre)
 
 
-@pytest.mark.spec("isg.g.chamfer-rounding-geometry")
 def test_a_rounding_between_arcs_inside_them() -> None:
     a = arc(at(0, 0), at(40, 0), -180.0, Corner(ROUNDING, 5.0))
     b = arc(at(80, 0), at(100, 35), -150.0)
@@ -168,7 +179,6 @@ def test_a_rounding_between_arcs_inside_them() -> None:
     assert insert.centre[1] < 17.5  # below the line of the centres: at this crossing of the circles, not at the other
 
 
-@pytest.mark.spec("isg.g.chamfer-rounding-geometry")
 def test_a_chamfer_between_arcs_is_measured_as_a_chord() -> None:
     a = arc(at(0, 0), at(50, 0), 160.0, Corner(WIDTH, 30.0))
     b = arc(a.end, a.end + at(40, 15), 110.0)
@@ -370,8 +380,9 @@ def test_what_makes_a_corner_impossible_is_an_error_of_its_block(between: Block,
 
 @pytest.mark.parametrize("size", [0.0, -1.0, math.inf, math.nan])
 def test_a_size_must_be_above_zero(size: float) -> None:
-    with pytest.raises(CornerError, match="300400: size"):
+    with pytest.raises(CornerError) as caught:
         worked(*square(Corner(WIDTH, size)))
+    assert caught.value.problem.entry is catalogue.CORNER_SIZE
 
 
 def test_a_size_that_turns_an_element_round_is_refused_and_the_largest_is_told() -> None:
@@ -395,7 +406,6 @@ def test_an_aborted_program_drops_the_motion_that_is_held_back() -> None:
     assert worked(square(Corner(WIDTH, 1.0))[0]) == []
 
 
-@pytest.mark.spec("isg.g.chamfer-feed-frc")
 def test_feeds_of_the_insert() -> None:
     for kind in (WIDTH, ROUNDING):
         a, b = square(Corner(kind, 1.0))
@@ -434,8 +444,9 @@ def test_the_insert_lies_in_the_plane_of_the_second_motion() -> None:
     np.testing.assert_allclose(second.start, at(1, 0, 2), atol=1e-12)  # X keeps its place on the element
     np.testing.assert_allclose(insert.end, second.start, atol=0)
     b = line(at(0, 0), at(0, 0, 8))
-    with pytest.raises(CornerError, match="no way in the plane of axes X Y"):
+    with pytest.raises(CornerError, match="no way in the plane of axes X Y") as caught:
         worked(a, b)
+    assert caught.value.problem.entry is catalogue.CORNER_DIRECTION
 
 
 def test_an_arc_of_another_plane_is_refused() -> None:
@@ -461,8 +472,10 @@ def test_nothing_is_inserted_where_the_path_goes_straight_on(kind: CornerKind) -
 @pytest.mark.parametrize("kind", list(CornerKind))
 def test_a_motion_straight_back_has_no_corner(kind: CornerKind) -> None:
     a = line(at(0, 0), at(10, 0), Corner(kind, 2.0))
-    with pytest.raises(CornerError, match="goes back the way"):
-        worked(a, line(a.end, at(5, 0)))
+    with pytest.raises(CornerError, match="line 9 goes back the way") as caught:
+        worked(a, line(a.end, at(5, 0), None, 9))
+    assert caught.value.problem.entry is catalogue.CORNER_REVERSAL
+    assert caught.value.problem.explained()
 
 
 def test_only_the_first_move_of_a_run_is_split_off() -> None:
@@ -487,7 +500,7 @@ def test_only_the_first_move_of_a_run_is_split_off() -> None:
 def test_a_run_of_one_move_and_the_plane_of_a_run() -> None:
     a = line(at(0, -10, 0), at(0, 0, 0), Corner(ROUNDING, 2.0))
     points = np.array([at(0, 0, 0), at(5, 0, 10)])
-    run = Polyline("p", points, np.array([math.inf]), np.array([4]), np.array([-1]), at(), (1, 2))
+    run = Polyline("p", points, np.array([math.inf]), np.array([4]), np.array([-1]), at(), plane=(1, 2))
     out = worked(a, run)
     assert [type(block) for block in out] == [Line, Arc, Line, BlockEnd]
     insert, move = out[1:3]
@@ -495,3 +508,27 @@ def test_a_run_of_one_move_and_the_plane_of_a_run() -> None:
     assert insert.plane == (1, 2)
     assert isinstance(move, Line)
     assert move.rapid
+
+
+def test_a_corner_behind_a_run_takes_its_last_move() -> None:
+    points = np.array([at(0, 0), at(5, 5), at(10, 0), at(10, 10)])
+    run = Polyline("p", points, np.full(3, 500.0), np.array([4, 5, 6]), np.array([40, -1, 60]), at(1, 1, 1))
+    corner = Corner(ROUNDING, 1.0)
+    rest, move, end = with_corner(run, corner, (0, 1))
+    assert isinstance(rest, Polyline)
+    np.testing.assert_array_equal(rest.points, points[:3])
+    assert rest.lines.tolist() == [4, 5]
+    assert isinstance(move, Line)
+    assert move.corner == corner
+    assert end == BlockEnd(Source("p", 6, 60))
+    out = worked(rest, move, end, line(at(10, 10), at(20, 10)))
+    assert [type(block) for block in out] == [Polyline, Line, Arc, BlockEnd, Line]
+    (alone, _) = with_corner(
+        replace(rest, points=points[:2], feeds=run.feeds[:1], lines=run.lines[:1], numbers=run.numbers[:1]),
+        corner,
+        (1, 2),
+    )
+    assert isinstance(alone, Line)
+    assert alone.plane == (1, 2)
+    single = line(at(0, 0), at(1, 0))
+    assert with_corner(single, corner, (0, 1)) == [replace(single, corner=corner)]
