@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -23,6 +23,7 @@ from runtime.cnc.path_preparation import PumpState
 from runtime.config.machine import Machine
 from runtime.diagnostics.events import EventKind
 from runtime.hli.layout import StopCondition
+from runtime.scheduler.simulation import Simulation
 from tests.machine.scripted_blocks import Contour, MessagePlc, Script, Scripted, at, positions, speeds_at
 from tests.machine.scripted_plc import ScriptedPlc
 
@@ -231,6 +232,42 @@ def test_a_program_that_holds_at_its_first_block_tells_so_and_can_be_aborted(dem
     scripted.hli.operator[0].reset_rw = True
     scripted.finish()
     assert scripted.events(EventKind.RESET)
+
+
+# --------------------------------------------------------------------------------------------- from the text on
+
+
+@pytest.mark.parametrize(
+    ("flush", "speed"), [("", 100.0), ("#FLUSH CONTINUE", 100.0), ("#FLUSH", 0.0), ("#FLUSH WAIT", 0.0)]
+)
+@pytest.mark.spec("isg.add.flush", "isg.add.flush-continue", "isg.add.flush-wait")
+def test_flush_in_a_program(ideal: Simulation, program: Callable[[str], Path], flush: str, speed: float) -> None:
+    assert ideal.run_until(ideal.ready, 10.0)
+    ideal.start(program(f"%P\nN10 G90 G01 F6000 X50\nN20 {flush}\nN30 X100\nN40 M30\n"))
+    path = ideal.controller.interpolator
+    assert ideal.run_until(lambda: float(path.position[0]) >= 50.0 - 1e-9, 10.0)
+    assert path.path_velocity == pytest.approx(speed, abs=1e-6)
+    assert ideal.run_until(lambda: not ideal.controller.channel.active, 10.0)
+    assert float(path.position[0]) == pytest.approx(100.0)
+    assert ideal.problems == []
+
+
+@pytest.mark.spec("isg.add.wait-for")
+def test_wait_for_holds_the_program_until_it_is_true(ideal: Simulation, program: Callable[[str], Path]) -> None:
+    """Nothing in this program can change P1: it waits until it is aborted, and the path before it is driven."""
+    assert ideal.run_until(ideal.ready, 10.0)
+    ideal.start(program("%P\nN10 P1 = 0.5\nN20 G90 G01 F6000 X50\nN30 #WAIT FOR P1\nN40 X100\nN50 M30\n"))
+    channel = ideal.controller.channel
+    assert ideal.run_until(lambda: bool(channel.stop_condition & StopCondition.PROGRAM_WAITS), 10.0)
+    assert not ideal.run_until(lambda: not channel.active, 2.0)
+    assert float(channel.interpolator.position[0]) == pytest.approx(50.0)
+    ideal.memory.hli.operator[0].reset_rw = True
+    assert ideal.run_until(lambda: not channel.active, 1.0)
+    ideal.start(program("%P\nN10 P1 = 0.51\nN20 G90 G01 F6000 X60\nN30 #WAIT FOR P1\nN40 X100\nN50 M30\n"))
+    ideal.cycle()
+    ideal.cycle()
+    assert ideal.run_until(lambda: not channel.active, 10.0)
+    assert float(channel.interpolator.position[0]) == pytest.approx(100.0)
 
 
 def test_two_runs_are_the_same_bytes(demo: Machine, tmp_path: Path) -> None:
