@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,9 @@ from runtime.cnc.path_preparation import PumpState, SoftwareLimits
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.config.loader import load_machine
 from runtime.config.machine import Machine
+from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
+from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 
 SURFACE_MOVES = 200_000
@@ -64,7 +67,8 @@ def _prepare(path: Path, machine: Machine) -> None:
     """Take a program all the way: decoder, software limits, limits of the axes, records. The queue is emptied at once."""
     queue = MotionQueue(len(machine.channels[0].axes))
     link = PreparationLink(queue.n_axes)
-    preparation = Preparation(machine, 0, queue, link)
+    outside = RunningMachine(machine, HliMemory.private().hli, link, datetime.now)
+    preparation = Preparation(machine, 0, queue, link, outside)
     link.start(StartOrder(str(path), np.zeros(queue.n_axes), 0))
     while preparation.poll() is not PumpState.FINISHED:
         queue.discard_all()

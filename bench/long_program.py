@@ -8,6 +8,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 import time
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,9 @@ from runtime.cnc.path_preparation import PumpState
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.config.loader import load_machine
 from runtime.config.machine import Machine
+from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
+from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 
 SHORT, LONG = 1_000_000, 10_000_000  # lines
@@ -62,7 +65,8 @@ def _first_motion(program: Path, machine: Machine) -> float:
     """From the order to start until the first element of the path stands in the queue, s."""
     queue = MotionQueue(len(machine.channels[0].axes))
     link = PreparationLink(queue.n_axes)
-    preparation = Preparation(machine, 0, queue, link)
+    outside = RunningMachine(machine, HliMemory.private().hli, link, datetime.now)
+    preparation = Preparation(machine, 0, queue, link, outside)
     begin = time.perf_counter()
     link.start(StartOrder(str(program), np.zeros(queue.n_axes), 0))
     seen = 0

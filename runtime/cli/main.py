@@ -33,6 +33,9 @@ class SubCommand:
 SUB_COMMANDS = (
     SubCommand("check", "runtime.cli.check", "Check programs without motion; errors as file:line:column: id: text."),
     SubCommand("blocks", "runtime.cli.blocks", "Print what the preparation makes of a program, as JSON lines."),
+    SubCommand(
+        "lang", "runtime.cli.lang", "Print the reference of the language: every supported function with its syntax."
+    ),
     SubCommand("simulate", "runtime.cli.simulate", "Run a program in virtual time, as fast as the computer can."),
     SubCommand("run", "runtime.cli.run", "Run the machine in real time until stopped."),
     SubCommand("doctor", "runtime.cli.doctor", "Tell whether this host is fit for real time, and what to do if not."),

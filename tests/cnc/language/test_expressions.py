@@ -24,7 +24,8 @@ def value(text: str, **parameters: float) -> float:
     program = "".join(f"{name} = {number!r}\n" for name, number in parameters.items())
     run = decode(program + f"P99 = {text}\n")
     if run.problem:
-        raise CalculationError(run.problem.entry, "P99", **run.problem.values)
+        values = {name: value for name, value in run.problem.values.items() if name != "name"}
+        raise CalculationError(run.problem.entry, "P99", **values)
     return run.parameters[99]
 
 
