@@ -75,8 +75,7 @@ class Execution:
         if setup.feed > 0:
             self.modal.feed = setup.feed
         self.coordinates = Coordinates.at(start)
-        self.parameters = Parameters()
-        self.parameter_arrays = Scope("P", setup.limits.parameters)
+        self.parameters, self.parameter_arrays = memory.parameters_at_start(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
         self.frames: list[Frame] = []
         self.out: list[Block] = []
@@ -96,6 +95,7 @@ class Execution:
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
         self.block_number = 0  # last N
+        self.spindle_command = 5  # last of M3, M4, M5
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.state: dict[str, Any] = {}  # of functions that keep something of their own, by the name of their module
         self._run: list[list[float]] = []

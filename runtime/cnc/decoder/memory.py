@@ -11,6 +11,7 @@ from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
 
+TIMERS = 128  # counters of #TIMER (line 15524)
 ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
 
 
@@ -34,9 +35,16 @@ class ChannelMemory:
         self.macro_version = 0
         self.m_synch: dict[int, Synch] = dict(setup.m_synch)
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
-        self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
-        self.report_lines = 0
-        self.report_backups = 0
+        self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
+        self.report_lines = 0  # written to the report file since its last backup
+        self.report_backups = 0  # number of the last backup
+        self._parameters: tuple[Parameters, Scope] | None = None
+
+    def parameters_at_start(self, setup: DecoderSetup) -> tuple[Parameters, Scope]:
+        """P parameters and P arrays of a program that starts: new ones, or those of the program before (P-CHAN-00067)."""
+        if self._parameters is None or not setup.keep_parameters:
+            self._parameters = Parameters(), Scope("P", setup.limits.parameters)
+        return self._parameters
 
     def define_macro(self, name: str, content: str) -> None:
         """Define a macro of a program."""

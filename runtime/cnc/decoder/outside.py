@@ -36,11 +36,17 @@ class Outside(Protocol):
     def taken(self, number: int) -> bool:
         """The receiver has taken the message with this number."""
 
+    def room(self) -> bool:
+        """One more message or warning can be told now; else the decoder holds (`Hold`) and asks again."""
+
     def error(self, error: UserError) -> None:
         """A warning of #ERROR (remedy class 0), told at decoding time."""
 
     def timer(self, command: TimerCommand, timer: int) -> int:
         """Act on a counter (0…127) at decoding time; its value in ms."""
+
+    def latched(self, timer: int) -> int:
+        """The count in ms that the last READ on the path has found; holds as the positions do."""
 
     def waits_in_vain(self) -> bool:
         """Nobody will ever change what the decoder waits for (no machine there): waiting ends at once."""
@@ -74,10 +80,16 @@ class Offline:
     def taken(self, number: int) -> bool:
         return True
 
+    def room(self) -> bool:
+        return True
+
     def error(self, error: UserError) -> None:
         self.errors.append(error)
 
     def timer(self, command: TimerCommand, timer: int) -> int:
+        return 0
+
+    def latched(self, timer: int) -> int:
         return 0
 
     def waits_in_vain(self) -> bool:

@@ -27,9 +27,12 @@ class ProgramErrors(ProgramError):  # noqa: N818 - it is many
 
 
 class CalculationError(Exception):
-    """An expression has no value. Whoever executes the block adds the place; `name` is what to look for in its text."""
+    """An expression has no value. Whoever executes the block adds the place; `name` is what to look for in its text.
 
-    def __init__(self, entry: ErrorEntry, name: str, **values: object) -> None:
+    A value called "name" is what the error shows instead.
+    """
+
+    def __init__(self, entry: ErrorEntry, name: str, /, **values: object) -> None:
         super().__init__(entry.id, name)
         self.entry = entry
         self.name = name
