@@ -39,7 +39,7 @@ class DecoderEnvironment:
             "known_m": execution.setup.m_numbers,
             "known_h": execution.setup.h_numbers,
             "set_parameter": self._set_parameter,
-            "new_parameter": self._new_parameter,
+            "new_parameter": self.new_parameter,
             "macro": self.macro,
             "macro_length": self._macro_length,
             "macro_content": self._macro_content,
@@ -109,7 +109,9 @@ class DecoderEnvironment:
             if brackets:
                 scope = self._scope(kind)
                 return (lambda value, *indices: scope(name).write_element(name, value, indices)), ValueKind.ANY, False
-            written = self._scope_for_writing(kind)
+            if kind == "CYC":
+                return partial(self._write_cycle_variable, name), ValueKind.ANY, False
+            written = self._scope(kind)
             return (lambda value: written(name).write(name, value)), ValueKind.ANY, False
         if path.startswith(_EXTERNAL):
             item = self._x.external.item(path, column)
@@ -203,12 +205,16 @@ class DecoderEnvironment:
             return lambda _name: x.memory.static
         return x.local_scope if kind == "L" else x.cycle_scope
 
-    def _scope_for_writing(self, kind: str) -> Callable[[str], Scope]:
-        return self._scope(kind)
+    def _write_cycle_variable(self, name: str, value: object) -> None:
+        scope = self._x.cycle_scope(name)
+        there = name in scope
+        scope.write(name, value)
+        if not there:
+            self._x.check_cycle_memory(scope, name)
 
     # ------------------------------------------------------------------ P arrays and macros
 
-    def _new_parameter(self, number: int) -> None:
+    def new_parameter(self, number: int) -> None:
         """A parameter comes into being; CalculationError if there are too many, or an array has its number."""
         x = self._x
         if str(number) in x.parameter_arrays:
@@ -219,7 +225,7 @@ class DecoderEnvironment:
 
     def _set_parameter(self, number: int, value: float) -> None:
         if number not in self._x.parameters:
-            self._new_parameter(number)
+            self.new_parameter(number)
         self._x.parameters[number] = functions.as_number(value, f"P{number}")
 
     def _read_parameter_array(self, number: float, *indices: float) -> Any:

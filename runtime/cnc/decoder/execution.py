@@ -41,6 +41,8 @@ COMPILED_BLOCKS = 20_000  # kept at once, some 3 kB each
 RUN = 256  # straight moves that are handed over together
 _QUOTED = re.compile(r'\\?"((?:\\\\.|[^"\\])*)\\?"')
 
+_LEADING_NUMBER = re.compile(r"[ \t]*(?:/[ \t]*\d*)?[ \t]*[Nn][ \t]*(\d+)(?![\d.*/+-])")
+
 _vocabularies: dict[bool, Vocabulary] = {}
 
 
@@ -193,6 +195,13 @@ class Execution:
 
     # ------------------------------------------------------------------ the block in work
 
+    def source_in_work(self) -> Source:
+        """Where the block in work stands; for what is put out while its values are computed, before its N word is."""
+        if self.block is None:
+            return self.source
+        match = _LEADING_NUMBER.match(self.block.text)
+        return Source(self.unit.name, self.block.source.line, int(match.group(1)) if match else None)
+
     def place(self, column: int) -> tuple[int, int, str]:
         """Line, column and text of a column of the block in work."""
         return self.block.source.place(column) if self.block is not None else (self.source.line, column, "")
@@ -256,6 +265,13 @@ class Execution:
     def cycle_scope(self, name: str) -> Scope:
         """The innermost level that has this V.CYC variable; the current one if none has."""
         return next((frame.cycle for frame in reversed(self.frames) if name in frame.cycle), self.frame.cycle)
+
+    def check_cycle_memory(self, scope: Scope, name: str) -> None:
+        """A V.CYC variable was made in `scope`: CalculationError, and it goes again, if all of them take too much."""
+        limit = self.setup.limits.cycle_memory
+        if sum(frame.cycle.bytes for frame in self.frames) > limit:
+            scope.delete(name)
+            raise CalculationError(catalogue.CYCLE_MEMORY, f"V.CYC.{name}", limit=limit)
 
     def _transfer(self, number: float) -> tuple[dict[int, float | str], int]:
         index = round_half_up(number)

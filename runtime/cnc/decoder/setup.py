@@ -106,6 +106,7 @@ class Limits:
     macros: int = 1000
     macro_name: int = 30
     macro_content: int = 200
+    cycle_memory: int = 8000  # bytes of V.CYC variables; P-CHAN-00418 adds to them
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +143,10 @@ class DecoderSetup:
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
     external: tuple[ExternalEntry, ...] = ()
+    report_folder: Path | None = None  # of #MSG SAVE and work folder of #FILE; None: the folder of the program
+    channel_number: int = 1  # V.G.CNC_CHANNEL
+    log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
+    log_spindles: tuple[int, ...] = ()  # of the spindles
     limits: Limits = Limits()
 
     @classmethod
@@ -168,6 +173,11 @@ class DecoderSetup:
         axes = [machine.axes[machine.axis_index(axis)] for axis in described.axes]
         return cls(
             axes=described.axes,
+            channel_number=channel + 1,
+            log_axes=tuple(axis.log_axis for axis in axes),
+            log_spindles=tuple(
+                machine.axes[machine.axis_index(spindle.bezeichnung)].log_axis for spindle in parameters.spindel
+            ),
             axis_velocity=tuple(axis.velocity for axis in axes),
             position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
