@@ -103,6 +103,9 @@ class WordBlocks:
             slots = block.statement
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
             if x.again is None:
+                if block.beside is not None:
+                    added = block.beside
+                    STATEMENTS[added.statement.syntax.name].handler(x, StatementCall(added, values))
                 self.after_block(False)
             return
         x.axis_words = {axis: values[slot] for axis, slot in block.axes}

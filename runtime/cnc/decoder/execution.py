@@ -25,7 +25,7 @@ from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.compiler import CompiledBlock, Parameters, Values, compile_block
+from runtime.cnc.language.isg.compiler import CompiledBlock, Values, compile_block
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.index import BlockText, Unit
 from runtime.cnc.language.isg.macros import MACRO_DEPTH

@@ -493,9 +493,7 @@ MESSAGE_MARKS = ErrorEntry(
     remedy="a percent sign itself is written %%",
     source="programming manual line 13403",
 )
-MESSAGE_VALUES = ErrorEntry(
-    300211, "{statement} takes at most {limit} values", source="programming manual line 13403"
-)
+MESSAGE_VALUES = ErrorEntry(300211, "{statement} takes at most {limit} values", source="programming manual line 13403")
 MESSAGE_MARK = ErrorEntry(
     300212, "{mark!r} is no format element", remedy="format elements: %d, %u, %f, %s, and %% for a percent sign"
 )
@@ -506,7 +504,10 @@ MESSAGE_VALUE = ErrorEntry(
     source="programming manual line 13395",
 )
 MESSAGE_MODE = ErrorEntry(
-    300214, "{word} cannot stand here in {statement}", remedy="written as: {syntax}", source="programming manual line 13327"
+    300214,
+    "{word} cannot stand here in {statement}",
+    remedy="written as: {syntax}",
+    source="programming manual line 13327",
 )
 ERROR_VALUE = ErrorEntry(
     300215,
@@ -531,9 +532,7 @@ FILE_OUTSIDE = ErrorEntry(
     remedy="programs reach files in: {folders}",
 )
 FILE_NAME_INVALID = ErrorEntry(300221, "{file!r} is no file name", reaction=Reaction.STOP_AT_BLOCK_END)
-FILE_NOT_FOUND = ErrorEntry(
-    300222, "file {file!r} not found in: {folders}", reaction=Reaction.STOP_AT_BLOCK_END
-)
+FILE_NOT_FOUND = ErrorEntry(300222, "file {file!r} not found in: {folders}", reaction=Reaction.STOP_AT_BLOCK_END)
 FILE_TARGET_FOLDER = ErrorEntry(
     300223, "folder of the new file {file!r} does not exist", reaction=Reaction.STOP_AT_BLOCK_END
 )
@@ -543,9 +542,7 @@ FILE_THERE = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="OVRMODE=1 allows to overwrite it",
 )
-FILE_IN_USE = ErrorEntry(
-    300225, "file {file!r} belongs to the running program", reaction=Reaction.STOP_AT_BLOCK_END
-)
+FILE_IN_USE = ErrorEntry(300225, "file {file!r} belongs to the running program", reaction=Reaction.STOP_AT_BLOCK_END)
 FILE_PROTECTED = ErrorEntry(
     21627,
     "file {file!r} is protected against writing",
@@ -553,11 +550,12 @@ FILE_PROTECTED = ErrorEntry(
     source="programming manual line 16264",
 )
 FILE_REFUSED = ErrorEntry(
-    300226, "file {file!r}: {reason}", reaction=Reaction.STOP_AT_BLOCK_END, remedy="check the access rights of its folder"
+    300226,
+    "file {file!r}: {reason}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check the access rights of its folder",
 )
-OVERWRITE_MODE = ErrorEntry(
-    300227, "OVRMODE is 0 or 1, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END
-)
+OVERWRITE_MODE = ErrorEntry(300227, "OVRMODE is 0 or 1, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END)
 BACKUP_COUNT = ErrorEntry(
     300228, "{key} is {value:.9g}: a whole number from 0 on is needed", reaction=Reaction.STOP_AT_BLOCK_END
 )

@@ -79,7 +79,9 @@ def clear_external(x: Execution, call: StatementCall) -> None:
             x.external.item(path, argument.column)  # tells what is known
         for item in items:
             if not item.writable:
-                raise LineError(catalogue.VARIABLE_READ_ONLY, argument.column, name=item.entry.path.replace("[]", "[..]"))
+                raise LineError(
+                    catalogue.VARIABLE_READ_ONLY, argument.column, name=item.entry.path.replace("[]", "[..]")
+                )
         synchronous = any(item.synchronous for item in items)
         for item in items:
             item.clear(call.indices(number), synchronous)
