@@ -77,6 +77,11 @@ class Execution:
         if setup.feed > 0:
             self.modal.feed = setup.feed
         self.coordinates = Coordinates.at(start)
+        if memory.zero_default:  # V.G.NP_DEFAULT
+            self.modal.zero_offset = memory.zero_default
+            chosen = memory.zero_offsets[memory.zero_default] * memory.zero_enabled[memory.zero_default]
+            self.coordinates.offsets.zero = [float(offset) for offset in chosen]
+            self.coordinates.update()
         self.parameters, self.parameter_arrays = memory.parameters_at_start(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
         self.frames: list[Frame] = []
@@ -98,6 +103,7 @@ class Execution:
         self.axes_taken = False  # the axis words were arguments of a function
         self.block_number = 0  # last N
         self.spindle_command = 5  # last of M3, M4, M5
+        self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.state: dict[str, Any] = {}  # of functions that keep something of their own, by the name of their module
         self._run: list[list[float]] = []

@@ -485,6 +485,10 @@ G_NUMBER = ErrorEntry(
     300209, "the number of a G function is a plain number, not {text!r}", remedy="write the number itself"
 )
 
+LIMIT_MISSING = ErrorEntry(
+    300229, "{name}: axis {axis} has no such software limit", reaction=Reaction.STOP_AT_BLOCK_END
+)
+
 # -- messages, errors, timers --------------------------------------------------------------------------------------
 
 MESSAGE_MARKS = ErrorEntry(

@@ -72,10 +72,7 @@ KNOWN = {
     "V.G.MAX_NC_BLOCKS_AHEAD": "limits of the decoding ahead",
     "V.G.MAX_MOTION_BLOCKS_AHEAD": "limits of the decoding ahead",
     "V.G.MAX_TIME_AHEAD": "limits of the decoding ahead",
-    "V.G.BLOCK_SEARCH_ACTIVE": "block search",
-    "V.G.HSC_ACTIVE": "free-form surfaces and splines",
-    "V.G.HSC_SURFACE_ACTIVE": "free-form surfaces",
-    "V.G.CONT_MODE_ACTIVE": "contouring",
+    "V.G.D_AKT": "tool data",
     "V.G.MEAS_TYPE": "measuring",
     "V.G.DIAMETER_PROG.ZERO_OFFSET": "diameter programming",
     # axes (lines 21659–21704)
