@@ -70,7 +70,7 @@ class WordBlocks:
         motion = modal.motion if block.motion < 0 else block.motion
         feed = modal.feeds.get(FeedMode.PER_MINUTE)
         if block.feed >= 0:
-            feed = values[block.feed] * (INCH if modal.inch else 1.0)
+            feed = values[block.feed] * (INCH if modal.inch else 1.0) * x.setup.feed_factor
             if not 0 < feed < math.inf:
                 return False
         if motion > 1 or (motion == 1 and not feed) or x.frames[-1].modal is not None:

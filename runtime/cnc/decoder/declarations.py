@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import DeclarationSlots, Values
 from runtime.cnc.language.isg.functions import as_number, round_half_up
@@ -44,16 +43,8 @@ def declare(x: Execution, slots: DeclarationSlots, values: Values) -> None:
     if match is None:
         hint = "V.P, V.S, V.L, V.CYC and P parameters can be declared"
         raise LineError(catalogue.VARIABLE_UNKNOWN, word.column, name=word.name, hint=hint)
-    scope, name = own_scope(x, match.group(1)), match.group(2)
+    scope, name = x.own_scope(match.group(1)), match.group(2)
     scope.declare(name, word.target, indices, given)
     if match.group(1) == "CYC":
         x.check_cycle_memory(scope, name)
 
-
-def own_scope(x: Execution, kind: str) -> Scope:
-    """The scope in which the current level makes its variables of a class."""
-    if kind == "P":
-        return x.program_scope
-    if kind == "S":
-        return x.memory.static
-    return x.frame.local if kind == "L" else x.frame.cycle

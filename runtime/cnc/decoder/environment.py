@@ -109,10 +109,7 @@ class DecoderEnvironment:
             if brackets:
                 scope = self._scope(kind)
                 return (lambda value, *indices: scope(name).write_element(name, value, indices)), ValueKind.ANY, False
-            if kind == "CYC":
-                return partial(self._write_cycle_variable, name), ValueKind.ANY, False
-            written = self._scope(kind)
-            return (lambda value: written(name).write(name, value)), ValueKind.ANY, False
+            return self._scalar_writer(kind, name), ValueKind.ANY, False
         if path.startswith(_EXTERNAL):
             item = self._x.external.item(path, column)
             if not item.writable:
@@ -205,12 +202,21 @@ class DecoderEnvironment:
             return lambda _name: x.memory.static
         return x.local_scope if kind == "L" else x.cycle_scope
 
-    def _write_cycle_variable(self, name: str, value: object) -> None:
-        scope = self._x.cycle_scope(name)
-        there = name in scope
-        scope.write(name, value)
-        if not there:
-            self._x.check_cycle_memory(scope, name)
+    def _scalar_writer(self, kind: str, name: str) -> Callable[[object], None]:
+        """Writes a scalar where it is seen; between #VAR and #ENDVAR it is made anew on the level in work."""
+        x, written = self._x, self._scope(kind)
+
+        def write(value: object) -> None:
+            scope = x.own_scope(kind) if x.declaring else written(name)
+            there = name in scope
+            if x.declaring:
+                scope.declare(name, "", (), [value])
+            else:
+                scope.write(name, value)
+            if kind == "CYC" and not there:
+                x.check_cycle_memory(scope, name)
+
+        return write
 
     # ------------------------------------------------------------------ P arrays and macros
 

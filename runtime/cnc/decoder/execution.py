@@ -272,6 +272,14 @@ class Execution:
         """The innermost level that has this V.CYC variable; the current one if none has."""
         return next((frame.cycle for frame in reversed(self.frames) if name in frame.cycle), self.frame.cycle)
 
+    def own_scope(self, kind: str) -> Scope:
+        """The scope in which the level in work makes its variables of a class: P, S, L or CYC."""
+        if kind == "P":
+            return self.program_scope
+        if kind == "S":
+            return self.memory.static
+        return self.frame.local if kind == "L" else self.frame.cycle
+
     def check_cycle_memory(self, scope: Scope, name: str) -> None:
         """A V.CYC variable was made in `scope`: CalculationError, and it goes again, if all of them take too much."""
         limit = self.setup.limits.cycle_memory

@@ -69,6 +69,8 @@ class Type:
 
     def converted(self, value: object, name: str) -> float | str:
         """`value` as the type holds it: whole numbers rounded, halves upward. CalculationError if it does not fit."""
+        if isinstance(value, np.ndarray):
+            raise CalculationError(catalogue.SETS_MIXED, name)
         if self.name == "STRING":
             if not isinstance(value, str):
                 raise CalculationError(catalogue.NUMBER_NOT_ALLOWED, name, what=name)

@@ -18,10 +18,12 @@ from runtime.cnc.blocks import (
     TimerCommand,
     UserError,
 )
+from runtime.cnc.decoder import ProgramError
 from runtime.cnc.decoder.message_text import composed
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from tests.cnc.decoder.programs import SETUP, Run, decode
 from tests.cnc.decoder.scripted_outside import Machine
+from tests.cnc.decoder.test_variables import EXTERNAL
 
 
 def ran(text: str, machine: Machine | None = None, **options: object) -> tuple[Run, Machine]:
@@ -92,7 +94,7 @@ def test_the_decoder_waits_when_nobody_fetches_the_messages() -> None:
 
 
 def test_without_a_machine_nobody_waits_for_an_answer() -> None:
-    assert decode('#MSG ACK ["a"]\nX1=1 F1').problem is None
+    assert decode('#MSG ACK ["a"]\nP1 = 1').problem is None
 
 
 @pytest.mark.spec("isg.add.msg")
@@ -108,13 +110,11 @@ def test_without_a_machine_nobody_waits_for_an_answer() -> None:
     ],
 )
 def test_what_a_message_refuses(text: str, entry: object, column: int) -> None:
-    run_or_error = _any_problem(text)
-    assert run_or_error == (entry, column)
+    assert _any_problem(text) == (entry, column)
 
 
 def _any_problem(text: str) -> tuple[object, int]:
-    from runtime.cnc.decoder import ProgramError
-
+    """Of the check or the execution."""
     try:
         return problem(text)
     except ProgramError as error:
@@ -247,7 +247,7 @@ def test_nothing_behind_an_error_is_decoded_ahead_of_it() -> None:
 @pytest.mark.spec("isg.add.error")
 @pytest.mark.parametrize(
     ("keys", "column"),
-    [("ID0", 9), ("ID1001", 9), ("ID1 RC1", 13), ("ID1 MID=-1", 13), ("PM1=22", 9), (f'PV1="{"x" * 24}"', 9)],
+    [("ID0", 11), ("ID1001", 11), ("ID1 RC1", 15), ("ID1 MID=-1", 17), ("PM1=22", 13), (f'PV1="{"x" * 24}"', 13)],
 )
 def test_values_of_an_error_have_their_ranges(keys: str, column: int) -> None:
     assert problem(f"#ERROR [{keys}]") == (C.ERROR_VALUE, column)
@@ -311,8 +311,6 @@ def test_what_timers_refuse(text: str, entry: object) -> None:
 
 @pytest.mark.spec("isg.add.wait-for")
 def test_waiting_for_a_condition_of_the_outside() -> None:
-    from tests.cnc.decoder.test_variables import EXTERNAL
-
     asked = []
 
     def count(machine: Machine) -> None:
@@ -341,8 +339,6 @@ def test_a_wait_ends_above_a_half(value: str, waits: bool) -> None:
 
 
 def test_waiting_for_a_synchronous_variable_flushes_once() -> None:
-    from tests.cnc.decoder.test_variables import EXTERNAL
-
     asked = []
 
     def count(machine: Machine) -> None:

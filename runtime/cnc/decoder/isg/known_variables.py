@@ -63,7 +63,7 @@ KNOWN = {
     "V.G.CLAMP_LIST_INVOKE": "clamp positions",
     "V.G.PATH_NR": "path numbers of the start-up list",
     "V.G.SIGNAL_READ": "#SIGNAL READ",
-    "V.G.AX_LINK": "axis couplings",
+    "V.G.AX_LINK.NR": "axis couplings",
     "V.G.AX_LINK_GROUP": "axis couplings",
     "V.G.CHAN_LIST_INVOKE": "loading of lists",
     "V.G.VE_VAR_LIST_INVOKE": "loading of lists",
