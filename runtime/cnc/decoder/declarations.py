@@ -47,4 +47,3 @@ def declare(x: Execution, slots: DeclarationSlots, values: Values) -> None:
     scope.declare(name, word.target, indices, given)
     if match.group(1) == "CYC":
         x.check_cycle_memory(scope, name)
-

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -13,6 +15,15 @@ from runtime.cnc.language.isg.compiler import Parameters
 
 TIMERS = 128  # counters of #TIMER (line 15524)
 ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
+
+
+@dataclass(slots=True)
+class ReportCount:
+    """Writes to the report file since its last backup, and the number of that backup."""
+
+    path: Path | None = None
+    lines: int = 0
+    backup: int = 0
 
 
 class ChannelMemory:
@@ -36,8 +47,7 @@ class ChannelMemory:
         self.m_synch: dict[int, Synch] = dict(setup.m_synch)
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
-        self.report_lines = 0  # written to the report file since its last backup
-        self.report_backups = 0  # number of the last backup
+        self.report = ReportCount()
         self._parameters: tuple[Parameters, Scope] | None = None
 
     def parameters_at_start(self, setup: DecoderSetup) -> tuple[Parameters, Scope]:

@@ -477,9 +477,6 @@ VERSION_FORM = ErrorEntry(
     remedy="write <major>.<minor>.<build>.<patch>, each 0 to 255",
     source="programming manual line 21557",
 )
-PROGRAM_NAME_NO_NUMBER = ErrorEntry(
-    300207, "{name}: the name of the program is no number", reaction=Reaction.STOP_AT_BLOCK_END
-)
 FUNCTION_UNSUPPORTED = ErrorEntry(300208, "{function} is not supported: {reason}")
 G_NUMBER = ErrorEntry(
     300209, "the number of a G function is a plain number, not {text!r}", remedy="write the number itself"

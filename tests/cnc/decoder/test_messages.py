@@ -183,7 +183,9 @@ def test_a_whole_message_may_be_a_macro() -> None:
 
 @pytest.mark.spec("isg.add.add")
 def test_additional_information_at_the_end_of_a_block() -> None:
-    run, machine = ran('N5 G01 X1 F100 #ADD HMI ["at %d", 7] (comment)\nP1 = 1 #ADD ["assigned"]\n#MSG ["a"] #ADD ["b"]')
+    run, machine = ran(
+        'N5 G01 X1 F100 #ADD HMI ["at %d", 7] (comment)\nP1 = 1 #ADD ["assigned"]\n#MSG ["a"] #ADD ["b"]'
+    )
     assert [type(block) for block in run.blocks][:2] == [Line, Message]
     assert [(m.text, m.receiver, m.source.line, m.source.n) for m in sent(run)] == [
         ("at 7", Receiver.HMI, 1, 5),

@@ -163,7 +163,9 @@ def test_axis_words_take_expressions() -> None:
 
 @pytest.mark.spec("isg.param.indirect")
 def test_indirect_parameters() -> None:
-    program = "P120=10\nPP120=123.456\nP1=20 P2=40\nPP1=50\nPP2=PP1\nP3=120\nPPP3=7\n$FOR P4=10,12,1\nP[P4+5]=0\n$ENDFOR"
+    program = (
+        "P120=10\nPP120=123.456\nP1=20 P2=40\nPP1=50\nPP2=PP1\nP3=120\nPPP3=7\n$FOR P4=10,12,1\nP[P4+5]=0\n$ENDFOR"
+    )
     found = values(program)
     assert {n: found[n] for n in (10, 15, 16, 17, 20, 40)} == {10: 7, 15: 0, 16: 0, 17: 0, 20: 50, 40: 50}
 
@@ -190,7 +192,7 @@ def test_parameters_outlive_their_program_if_configured(kept: bool) -> None:
 @pytest.mark.spec("isg.var.user-declaration")
 def test_declarations_with_types_and_initial_values() -> None:
     program = (
-        "#VAR\nV.P.VAR_1\nV.P.VAR_2 = 10.67\nV.P.VAR_3 : UNS32 = 10\nV.L.NAME_1 : STRING[20] = \"BASEPLATE\"\n"
+        '#VAR\nV.P.VAR_1\nV.P.VAR_2 = 10.67\nV.P.VAR_3 : UNS32 = 10\nV.L.NAME_1 : STRING[20] = "BASEPLATE"\n'
         "V.L.VAR_1 : REAL64 = 23.45\nV.L.VAR_2 : SGN08\nV.S.FLAG : BOOLEAN = 7\nV.P.EMPTY : STRING[5]\n#ENDVAR\n"
         "P1=V.P.VAR_1 P2=V.P.VAR_2 P3=V.P.VAR_3 P4=LEN[V.L.NAME_1] P5=V.L.VAR_1 P6=V.L.VAR_2 P7=V.S.FLAG P8=LEN[V.P.EMPTY]\n"
         "V.P.VAR_3 = 2.5\nP9 = V.P.VAR_3"
@@ -389,7 +391,15 @@ def test_external_variables_are_set_back_to_zero() -> None:
     run = decode(program, WITH_EXTERNAL, outside=machine)
     assert run.problem is None, run.problem
     zero = {index for index in range(256) if machine.external[index] == 0}
-    expected = {0, *range(32, 43), *range(68, 72), *range(99, 102), *range(136, 140), *range(144, 152), *range(152, 156)}
+    expected = {
+        0,
+        *range(32, 43),
+        *range(68, 72),
+        *range(99, 102),
+        *range(136, 140),
+        *range(144, 152),
+        *range(152, 156),
+    }
     assert zero == expected
     # one synchronous member: all of the structure is set on the path
     assert [(write.offset, write.value, write.source.line) for write in writes(run)] == [(192, 0.0, 4), (193, 0.0, 4)]
@@ -419,7 +429,9 @@ def test_what_cannot_be_set_back(program: str, entry: object) -> None:
 def test_axes_by_name_and_by_index_are_the_same() -> None:
     program = "G00 X1 Y2 Z3\n" + " ".join(f"P{n + 1}=V.A.ABS.{'XYZ'[n]} P{n + 11}=V.A.ABS[{n}]" for n in range(3))
     assert values(program) == {1: 1, 2: 2, 3: 3, 11: 1, 12: 2, 13: 3}
-    found = values("V.G.NP[2].V[1] = 100\nP1 = V.G.NP[2].V.Y P2 = V.G.NP_AKT.V[1] P3 = V.SPDL_PROG.SPEED.S P4 = V.SPDL_PROG.SPEED[0]")
+    found = values(
+        "V.G.NP[2].V[1] = 100\nP1 = V.G.NP[2].V.Y P2 = V.G.NP_AKT.V[1] P3 = V.SPDL_PROG.SPEED.S P4 = V.SPDL_PROG.SPEED[0]"
+    )
     assert found == {1: 100, 2: 0, 3: 0, 4: 0}
 
 
@@ -452,7 +464,15 @@ def test_variables_that_are_read_only_unknown_or_still_to_come(program: str, ent
 
 @pytest.mark.spec("isg.var.access-syntax")
 def test_exist_tells_whether_a_variable_axis_or_spindle_is_there() -> None:
-    names = ("V.A.ABS.X", "V.A.ABS.Q", "V.A.ABS[2]", "V.A.ABS[3]", "V.SPDL.NBR_IN_CHANNEL", "V.G.NOTHING", "V.G.WZ[1].R")
+    names = (
+        "V.A.ABS.X",
+        "V.A.ABS.Q",
+        "V.A.ABS[2]",
+        "V.A.ABS[3]",
+        "V.SPDL.NBR_IN_CHANNEL",
+        "V.G.NOTHING",
+        "V.G.WZ[1].R",
+    )
     program = " ".join(f"P{n}=EXIST[{name}]" for n, name in enumerate(names, 1))
     assert list(values(program).values()) == [1, 0, 1, 0, 1, 0, 0]
     spindle = "EXIST[V.SPDL_PROG.SPEED.{}]"
@@ -497,11 +517,18 @@ def test_circle_data_are_those_of_the_corrected_centre() -> None:
 
 @pytest.mark.spec("isg.var.g-link-rotation")
 def test_without_a_contour_rotation_its_variables_are_zero() -> None:
-    assert values("P1=V.G.ROT_ACTIVE P2=V.G.ROT_ANGLE P3=V.G.ROT_CENTER1 P4=V.G.ROT_CENTER2") == {1: 0, 2: 0, 3: 0, 4: 0}
+    assert values("P1=V.G.ROT_ACTIVE P2=V.G.ROT_ANGLE P3=V.G.ROT_CENTER1 P4=V.G.ROT_CENTER2") == {
+        1: 0,
+        2: 0,
+        3: 0,
+        4: 0,
+    }
 
 
 def test_state_of_the_channel() -> None:
-    program = "P1=V.G.PROG_ABS P2=V.G.ACT_PLANE P3=V.G.CNC_CHANNEL\nG91 G19 T7\nP4=V.G.PROG_ABS P5=V.G.ACT_PLANE P6=V.G.T_AKT"
+    program = (
+        "P1=V.G.PROG_ABS P2=V.G.ACT_PLANE P3=V.G.CNC_CHANNEL\nG91 G19 T7\nP4=V.G.PROG_ABS P5=V.G.ACT_PLANE P6=V.G.T_AKT"
+    )
     assert values(program) == {1: 1, 2: 17, 3: 1, 4: 0, 5: 19, 6: 7}
 
 
@@ -514,13 +541,10 @@ def test_random_numbers_repeat_with_the_program() -> None:
 
 
 def test_version_of_the_control() -> None:
-    found = values("P1=V.G.CNC_VERSION.MAJOR P2=V.G.CNC_VERSION.MINOR P3=V.G.CNC_VERSION.BUILD P4=V.G.CNC_VERSION.PATCH")
+    found = values(
+        "P1=V.G.CNC_VERSION.MAJOR P2=V.G.CNC_VERSION.MINOR P3=V.G.CNC_VERSION.BUILD P4=V.G.CNC_VERSION.PATCH"
+    )
     assert all(part >= 0 and part == int(part) for part in found.values())
-
-
-@pytest.mark.spec("isg.var.g-cycle-changes-modal")
-def test_what_a_cycle_changes_may_stay() -> None:
-    assert values("P1=V.G.CYCLE_CHANGES_MODAL\nV.G.CYCLE_CHANGES_MODAL=TRUE\nP2=V.G.CYCLE_CHANGES_MODAL") == {1: 0, 2: 1}
 
 
 # -- zero offsets --------------------------------------------------------------------------------------------------
@@ -583,11 +607,16 @@ def test_whole_sets_do_not_mix_with_single_values(program: str) -> None:
 
 @pytest.mark.spec("isg.var.g-zero-offsets")
 def test_offsets_are_told_in_inch_with_inch() -> None:
-    assert values("V.G.NP[1].V.X = 25.4\nG70\nP1=V.G.NP[1].V.X\nV.G.NP[1].V.X = 2\nG71\nP2=V.G.NP[1].V.X") == {1: 1, 2: 50.8}
+    assert values("V.G.NP[1].V.X = 25.4\nG70\nP1=V.G.NP[1].V.X\nV.G.NP[1].V.X = 2\nG71\nP2=V.G.NP[1].V.X") == {
+        1: 1,
+        2: 50.8,
+    }
 
 
 @pytest.mark.spec("isg.var.g-zero-offsets")
-@pytest.mark.parametrize("program", ["V.G.NP[97].V.X = 1", "P1 = V.G.NP[-1].V.X", "V.G.NP_DEFAULT = 97", "P1=V.G.NP[97].ALL"])
+@pytest.mark.parametrize(
+    "program", ["V.G.NP[97].V.X = 1", "P1 = V.G.NP[-1].V.X", "V.G.NP_DEFAULT = 97", "P1=V.G.NP[97].ALL"]
+)
 def test_there_are_97_sets(program: str) -> None:
     assert refused(program) is C.SET_INDEX
     assert values("V.G.NP[96].V.X = 4\nP1 = V.G.NP[96].V.X") == {1: 4}
@@ -611,25 +640,6 @@ def test_a_macro_makes_a_set_from_others() -> None:
 
 
 # -- V.G: programs -------------------------------------------------------------------------------------------------
-
-
-def test_names_and_levels_of_programs() -> None:
-    inner = (
-        "V.P.F2=V.G.FILE_NAME V.P.N2=V.G.PROG_NAME P2=V.G.PROG_LEVEL P4=V.G.PROG_NR V.P.M2=V.G.MAIN_FILE_NAME "
-        "V.P.MN2=V.G.MAIN_PROG_NAME"
-    )
-    program = "%L LOC\nP3=V.G.PROG_LEVEL V.P.N3=V.G.PROG_NAME\nM17\n%MAIN\nP1=V.G.PROG_LEVEL V.P.N1=V.G.PROG_NAME\nL sub.nc\nLL LOC\nM30"
-    run = decode(program, files={"sub.nc": f"%4712\n{inner}\nM17\n"})
-    assert run.problem is None, run.problem
-    assert run.parameters == {1: 1, 2: 2, 3: 2, 4: 4712}
-    names = ("N1", "F2", "N2", "M2", "MN2", "N3")
-    assert [run.value(name) for name in names] == ["MAIN", "sub.nc", "4712", "test.nc", "MAIN", "LOC"]
-    assert refused("%MAIN\nP1 = V.G.PROG_NR") is C.PROGRAM_NAME_NO_NUMBER
-
-
-def test_place_of_a_block_in_its_file() -> None:
-    program = "%MAIN\nG00 X1\nX2\nN5 P1 = V.G.FILE_OFFSET\n"
-    assert values(program)[1] == program.index("N5")
 
 
 @pytest.mark.spec("isg.var.g-timestamp")
@@ -663,7 +673,10 @@ def test_what_is_no_version(version: str) -> None:
 
 
 def test_flags_of_functions_that_are_there() -> None:
-    program = "P1=V.G.MIRROR_ACTIVE P2=V.G.CIRCLE_CP_ABS P3=V.G.CIRCLE_CPC_ACTIVE\nG161\nP4=V.G.CIRCLE_CP_ABS\nG162\nP5=V.G.CIRCLE_CP_ABS"
+    program = (
+        "P1=V.G.MIRROR_ACTIVE P2=V.G.CIRCLE_CP_ABS P3=V.G.CIRCLE_CPC_ACTIVE\n"
+        "G161\nP4=V.G.CIRCLE_CP_ABS\nG162\nP5=V.G.CIRCLE_CP_ABS"
+    )
     assert values(program) == {1: 0, 2: 0, 3: 1, 4: 1, 5: 0}
 
 
@@ -680,7 +693,9 @@ def test_a_function_that_is_not_there_is_not_active(name: str) -> None:
 
 def test_synchronisation_of_functions_is_read_and_changed_for_the_programs_that_follow() -> None:
     memory = ChannelMemory(SETUP)
-    program = "P1=V.G.M_FCT[10].SYNCH P2=V.G.H_FCT[21].SYNCH\nM10\nV.G.M_FCT[10].SYNCH = '0x4'\nM10\nP3=V.G.M_FCT[10].SYNCH"
+    program = (
+        "P1=V.G.M_FCT[10].SYNCH P2=V.G.H_FCT[21].SYNCH\nM10\nV.G.M_FCT[10].SYNCH = '0x4'\nM10\nP3=V.G.M_FCT[10].SYNCH"
+    )
     run = decode(program, memory=memory)
     assert run.problem is None, run.problem
     assert run.parameters == {1: 1, 2: 8, 3: 4}

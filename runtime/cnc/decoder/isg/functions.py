@@ -16,7 +16,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     variables_channel,
     variables_flags,
     variables_functions,
-    variables_programs,
     variables_spindle,
+    variables_stamps,
     variables_zero_offsets,
 )

@@ -61,7 +61,6 @@ KNOWN = {
     "V.G.ACTIVE_MODE": "operating mode",
     "V.G.AKT_PLATZ": "clamp positions",
     "V.G.CLAMP_LIST_INVOKE": "clamp positions",
-    "V.G.PATH_NR": "path numbers of the start-up list",
     "V.G.SIGNAL_READ": "#SIGNAL READ",
     "V.G.AX_LINK.NR": "axis couplings",
     "V.G.AX_LINK_GROUP": "axis couplings",

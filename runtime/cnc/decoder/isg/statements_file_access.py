@@ -13,7 +13,7 @@ from pathlib import Path
 from runtime.cnc.decoder import file_access
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement, variable
-from runtime.cnc.decoder.isg.statements_messages import report_of
+from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
@@ -133,27 +133,18 @@ def found_folder(x: Execution) -> str:
 
 # ---------------------------------------------------------------------------------------------------- #FILE NAME
 
-REPORT_KEYS = (Key("MSG", KeyKind.STRING), Key("BACKUP_LINES_MAX"), Key("BACKUP_COUNT_MAX"))
-"""The keys of #FILE NAME that belong to the report file; `name_report` obeys them."""
+BACKUP_KEYS = (Key("BACKUP_LINES_MAX"), Key("BACKUP_COUNT_MAX"))
+"""Keys of #FILE NAME beside the names; `set_backups` obeys them."""
 
 
-def name_report(x: Execution, call: StatementCall) -> None:
-    """Name and backups of the report file as #FILE NAME gives them.
+def set_backups(x: Execution, call: StatementCall) -> None:
+    """Backups of the report file as #FILE NAME gives them.
 
-    Backups are on as long as both limits are above 0; naming a file without limits switches them off (line 16405).
+    They are on as long as both limits are above 0; naming a report file without limits switches them off (line 16405).
     """
-    report = report_of(x)
-    limits = call.given("BACKUP_LINES_MAX"), call.given("BACKUP_COUNT_MAX")
-    name = call.text("MSG")
-    if name is not None:
-        path = file_access.in_folder(x, file_access.report_folder(x), name, call.columns("MSG"))
-        file_access.require_free(x, path, name, call.columns("MSG"))
-        if name != report.name:
-            x.memory.report_lines = 0  # what was counted belongs to the other file
-        report.name = name
-    if name is not None or any(limits):
-        report.lines_most = _limit(call, "BACKUP_LINES_MAX")
-        report.backups_most = _limit(call, "BACKUP_COUNT_MAX")
+    if call.given("MSG") or call.given("BACKUP_LINES_MAX") or call.given("BACKUP_COUNT_MAX"):
+        limits = _limit(call, "BACKUP_LINES_MAX"), _limit(call, "BACKUP_COUNT_MAX")
+        x.state[file_access.BACKUPS] = Backups(*limits)
 
 
 def _limit(call: StatementCall, key: str) -> int:

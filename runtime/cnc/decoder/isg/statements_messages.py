@@ -8,30 +8,21 @@ from __future__ import annotations
 
 from runtime.cnc.blocks import Message, Receiver
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.file_access import in_folder, report_folder, require_free
+from runtime.cnc.decoder.file_access import backups_of, in_folder, report_folder, report_name, require_free
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
-from runtime.cnc.decoder.isg.variables_programs import stamp
+from runtime.cnc.decoder.isg.variables_stamps import stamp
 from runtime.cnc.decoder.message_text import composed, marks_of
-from runtime.cnc.decoder.report_file import ReportFile
+from runtime.cnc.decoder.report_file import append
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.expressions import literal_text
 from runtime.cnc.language.isg.syntax import Form
 from runtime.diagnostics.catalogue import language as catalogue
 
-REPORT = "report file"  # key of the ReportFile in the state of an execution; #FILE NAME [MSG=..] sets it
 MODES = ("SYN", "SYN_ACK", "ACK")
 RECEIVERS = {receiver.value: receiver for receiver in Receiver} | {"DIAG": Receiver.DIAGNOSIS}
 _FORMAT = "isg.add.msg-format"
 _SYNTAX = '#MSG [SYN | SYN_ACK | ACK] [<receiver>] ["text", <value> ...]'
-
-
-def report_of(x: Execution) -> ReportFile:
-    """The report file of the running program, as #FILE NAME has set it."""
-    report = x.state.get(REPORT)
-    if not isinstance(report, ReportFile):
-        report = x.state[REPORT] = ReportFile()
-    return report
 
 
 def message_text(x: Execution, call: StatementCall) -> str:
@@ -171,13 +162,13 @@ def save(x: Execution, call: StatementCall) -> None:
         text = f"{stamp(x.outside.now())} {text}"
     if "CONTINUE" not in words:
         text += "\n"
-    report = report_of(x)
-    path = in_folder(x, report_folder(x), report.name, call.column)
-    require_free(x, path, report.name, call.column)
+    name = report_name(x)
+    path = in_folder(x, report_folder(x), name, call.column)
+    require_free(x, path, name, call.column)
     if not x.outside.changes_files():
         return
     try:
-        report.append(path, text, x.memory)
+        append(path, text, backups_of(x), x.memory)
     except OSError as error:
         reason = error.strerror or "cannot be written"
-        raise LineError(catalogue.FILE_REFUSED, call.column, file=report.name, reason=reason) from None
+        raise LineError(catalogue.FILE_REFUSED, call.column, file=name, reason=reason) from None

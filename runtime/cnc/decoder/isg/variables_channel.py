@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.isg.registry import Reader, variable, writes
+from runtime.cnc.decoder.isg.registry import Reader, variable
 from runtime.cnc.decoder.memory import TIMERS
 from runtime.cnc.decoder.modal import FeedMode
 from runtime.cnc.language.errors import CalculationError
@@ -129,16 +129,6 @@ def random(x: Execution) -> float:
     if not isinstance(source, Random):
         source = x.state["random"] = Random(x.frames[0].unit.name)
     return source.random()
-
-
-@variable("V.G.CYCLE_CHANGES_MODAL", "isg.var.g-cycle-changes-modal", "1: what a cycle changes stays behind its end")
-def cycle_changes(x: Execution) -> float:
-    return float(x.keep_cycle_changes)
-
-
-@writes("V.G.CYCLE_CHANGES_MODAL")
-def keep_cycle_changes(x: Execution, value: float) -> None:
-    x.keep_cycle_changes = value >= 0.5
 
 
 # ---------------------------------------------------------------------------------------------------- version

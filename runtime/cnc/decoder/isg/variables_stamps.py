@@ -1,4 +1,4 @@
-"""V.G.: names and levels of programs, cycles, time stamps, program versions (programming manual 21316–21358, 21546–21624)."""
+"""V.G.: time stamps and versions of programs (programming manual 21351–21358, 21546–21624)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from datetime import datetime
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.frames import Frame, Level
+from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import variable, writes
 from runtime.cnc.decoder.isg.variables_channel import index_between
 from runtime.cnc.language.errors import CalculationError
@@ -14,83 +14,8 @@ from runtime.cnc.language.isg.functions import as_number, as_string
 from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
 
-_INFO = "isg.var.g-program-info"
 _VERSION = "isg.var.g-program-version"
-_TRANSFERS = 200
 _PART = 255  # greatest part of a version, UNS08
-
-
-# ---------------------------------------------------------------------------------------------------- names and levels
-
-
-def _main(x: Execution) -> Frame:
-    """The level of the main program; the configured final program has none below it."""
-    return next((frame for frame in x.frames if frame.level is Level.MAIN), x.frames[0])
-
-
-def _name(frame: Frame) -> str:
-    """Name behind %, that of the file where a program has none."""
-    return frame.section.name or frame.unit.name
-
-
-def _number(name: str, variable_name: str) -> float:
-    if not re.fullmatch(r"\d{1,9}", name):
-        raise CalculationError(catalogue.PROGRAM_NAME_NO_NUMBER, variable_name)
-    return float(name)
-
-
-@variable("V.G.MAIN_FILE_NAME", _INFO, "file of the main program", kind=ValueKind.STRING)
-def main_file(x: Execution) -> str:
-    return _main(x).unit.text.path.name
-
-
-@variable("V.G.MAIN_PROG_NAME", _INFO, "name (%) of the main program", kind=ValueKind.STRING)
-def main_program(x: Execution) -> str:
-    return _name(_main(x))
-
-
-@variable("V.G.MAIN_PROG_NR", _INFO, "name of the main program as a number")
-def main_number(x: Execution) -> float:
-    return _number(_name(_main(x)), "V.G.MAIN_PROG_NR")
-
-
-@variable("V.G.FILE_NAME", _INFO, "file of the program in work", kind=ValueKind.STRING)
-def file(x: Execution) -> str:
-    return x.unit.text.path.name
-
-
-@variable("V.G.PROG_NAME", _INFO, "name (%) of the program in work", kind=ValueKind.STRING)
-def program(x: Execution) -> str:
-    return _name(x.frame)
-
-
-@variable("V.G.PROG_NR", _INFO, "name of the program in work as a number")
-def number(x: Execution) -> float:
-    return _number(_name(x.frame), "V.G.PROG_NR")
-
-
-@variable("V.G.PROG_LEVEL", _INFO, "1 in the main program, 2 and more in subprograms")
-def level(x: Execution) -> float:
-    return float(len(x.frames))
-
-
-@variable("V.G.FILE_OFFSET", _INFO, "place in its file of the block that asks", unit="bytes")
-def file_offset(x: Execution) -> float:
-    """Of the start of the line. Where the block belongs to a run of plain blocks nothing can ask."""
-    return float(x.unit.offset(x.frame.index - 1))
-
-
-@variable("V.G.CYCLE_ACTIVE", "isg.var.g-cycle-parameters", "1 in a program that was called as a cycle")
-def in_cycle(x: Execution) -> float:
-    return float(x.frame.transfer is not None)
-
-
-@variable("V.G.@P[].VALID", "isg.var.g-cycle-parameters", "1 if the call of the cycle gave this @P (1…200)")
-def transfer_given(x: Execution, place: float) -> float:
-    frame = next((frame for frame in reversed(x.frames) if frame.transfer is not None), None)
-    if frame is None:
-        raise CalculationError(catalogue.TRANSFER_OUTSIDE, "V.G.@P")
-    return float(index_between(place, 1, _TRANSFERS, "V.G.@P") in frame.given)
 
 
 # ---------------------------------------------------------------------------------------------------- time stamps
