@@ -57,8 +57,9 @@ class Place:
             if backups is not None:
                 decoder.execution.state[BACKUPS] = backups
             list(decoder.blocks())
-            self.found = {**decoder.parameters}
-            self.found |= decoder.execution.program_scope.scalars
+            self.found.clear()
+            self.found.update(decoder.parameters)
+            self.found.update(decoder.execution.program_scope.scalars)
         except ProgramError as error:
             return error.problem
         finally:
