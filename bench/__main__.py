@@ -28,7 +28,7 @@ from bench.figure import Figure
 
 OUTPUT = Path("out/bench.json")
 WIDTH = 110  # characters of the table where there is no terminal
-_NOT_SUBJECTS = {"__main__", "figure", "programs", "stopwatch"}
+_NOT_SUBJECTS = {"__main__", "figure", "process", "programs", "stopwatch"}
 
 
 def subjects() -> list[str]:

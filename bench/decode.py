@@ -13,12 +13,19 @@ from bench.stopwatch import seconds
 from runtime.cli.check import check
 from runtime.cnc.blocks import Polyline
 from runtime.cnc.decoder import Decoder, DecoderSetup, load_program
-from runtime.cnc.path_preparation import SoftwareLimits
+from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.path_preparation import PumpState, SoftwareLimits
+from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.config.loader import load_machine
+from runtime.config.machine import Machine
 from runtime.kernels import warm_up
+from runtime.scheduler.preparation import Preparation
 
 SURFACE_MOVES = 200_000
 LOOP_PASSES = 20_000
+PLAIN_LIMIT = 5_000_000.0  # blocks/s
+QUEUE_LIMIT = 1_000_000.0
+LOOP_LIMIT = 300_000.0
 
 
 def measure() -> list[Figure]:
@@ -30,16 +37,39 @@ def measure() -> list[Figure]:
         folder = Path(name)
         surface = programs.write(folder, "surface.nc", programs.surface(SURFACE_MOVES))
         loop = programs.write(folder, "loop.nc", programs.loop(LOOP_PASSES))
+        while_loop = programs.write(folder, "while.nc", programs.while_loop(LOOP_PASSES))
         arcs = programs.write(folder, "arcs.nc", programs.arcs(LOOP_PASSES))
         check(surface, setup, limits)
-        rates = {
-            "scan of plain blocks": SURFACE_MOVES / seconds(lambda: load_program(surface, setup).close()),
-            "decoding of plain blocks": SURFACE_MOVES / seconds(lambda: _decode(surface, setup)),
-            "expressions in a loop": _decode(loop, setup) / seconds(lambda: _decode(loop, setup)),
-            "arcs": LOOP_PASSES / seconds(lambda: _decode(arcs, setup)),
-        }
+        while_blocks = LOOP_PASSES * programs.WHILE_BLOCKS
+        rates: list[tuple[str, float, float | None]] = [
+            ("plain blocks, decoded", SURFACE_MOVES / seconds(lambda: _decode(surface, setup)), PLAIN_LIMIT),
+            (
+                "plain blocks, from the file to the motion queue",
+                SURFACE_MOVES / seconds(lambda: _prepare(surface, machine)),
+                QUEUE_LIMIT,
+            ),
+            (
+                "WHILE with two assignments and a motion",
+                while_blocks / seconds(lambda: _decode(while_loop, setup)),
+                LOOP_LIMIT,
+            ),
+            ("FOR with expressions and a branch", _decode(loop, setup) / seconds(lambda: _decode(loop, setup)), None),
+            ("arcs", LOOP_PASSES / seconds(lambda: _decode(arcs, setup)), None),
+        ]
         whole = Figure(f"check of {SURFACE_MOVES} plain blocks", seconds(lambda: check(surface, setup, limits)), "s")
-        return [whole, *(Figure(name, rate, "blocks/s", better="higher") for name, rate in rates.items())]
+        return [whole, *(Figure(name, rate, "blocks/s", limit, better="higher") for name, rate, limit in rates)]
+
+
+def _prepare(path: Path, machine: Machine) -> None:
+    """Take a program all the way: decoder, software limits, limits of the axes, records. The queue is emptied at once."""
+    queue = MotionQueue(len(machine.channels[0].axes))
+    link = PreparationLink(queue.n_axes)
+    preparation = Preparation(machine, 0, queue, link)
+    link.start(StartOrder(str(path), np.zeros(queue.n_axes), 0))
+    while preparation.poll() is not PumpState.FINISHED:
+        queue.discard_all()
+    if link.problem.id:
+        raise RuntimeError(link.problem.text)
 
 
 def _decode(path: Path, setup: DecoderSetup) -> int:

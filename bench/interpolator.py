@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,9 @@ from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import PumpState
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.config.loader import load_machine
+from runtime.hli.layout import Hli
 from runtime.kernels import warm_up
+from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 
 LIMIT = 30.0  # µs
@@ -47,7 +50,8 @@ def _steps(program: Path) -> list[Times]:
     machine = load_machine(None)
     names = machine.channels[0].axes
     queue, link = MotionQueue(len(names)), PreparationLink(len(names))
-    preparation = Preparation(machine, 0, queue, link)
+    outside = RunningMachine(machine, Hli(), link, now=datetime.now)
+    preparation = Preparation(machine, 0, queue, link, outside)
     limits = AxisLimits.of([machine.axes[machine.axis_index(name)] for name in names])
     path = Interpolator(queue, limits, machine.cycle.period, np.zeros(len(names)))
     link.start(StartOrder(str(program), np.zeros(len(names)), 0))

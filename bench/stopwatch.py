@@ -7,7 +7,7 @@ lowest 99th percentile tells what the code can do; the same percentile over all 
 from __future__ import annotations
 
 import gc
-import os
+import json
 import subprocess
 import sys
 import time
@@ -87,13 +87,8 @@ class CommandRun:
 def tandem(*arguments: str | Path) -> CommandRun:
     """Run the `tandem` command. Raises subprocess.CalledProcessError with what it said if it fails."""
     command = [sys.executable, "-m", "runtime.cli.main", *map(str, arguments)]
-    begin = time.perf_counter()
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
-        assert process.stdout is not None
-        said = process.stdout.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    elapsed = time.perf_counter() - begin
-    if process.returncode:
-        raise subprocess.CalledProcessError(process.returncode, command, said)
-    return CommandRun(elapsed, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024.0, said)
+    measured = subprocess.run([sys.executable, "-m", "bench.process", *command], stdout=subprocess.PIPE, check=True)
+    needed = json.loads(measured.stdout)
+    if needed["code"]:
+        raise subprocess.CalledProcessError(needed["code"], command, needed["output"])
+    return CommandRun(needed["seconds"], needed["processor"], needed["memory"], needed["output"])

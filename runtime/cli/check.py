@@ -24,7 +24,7 @@ from runtime.cnc.decoder import (
     located,
     look_through,
 )
-from runtime.cnc.path_preparation import SoftwareLimits
+from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import Problem, Severity, TandemError
@@ -82,7 +82,7 @@ def check(
         if errors:
             return tuple(errors), tuple(warnings)
         decoder = Decoder(program, setup, start=limits.nearest(np.zeros(len(setup.axes))), idle_limit=IDLE_LIMIT)
-        for _ in limits(decoder.blocks()):
+        for _ in limits(SpatialArcs()(decoder.blocks())):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break

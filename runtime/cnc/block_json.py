@@ -1,4 +1,4 @@
-"""Blocks as rows of `blocks.jsonl`: one per motion element, dwell, function or stop."""
+"""Blocks as rows of `blocks.jsonl`: one per motion element, dwell, function, stop, or action of the cycle."""
 
 from __future__ import annotations
 
@@ -9,24 +9,33 @@ from runtime.cnc.blocks import (
     Arc,
     Block,
     Dwell,
+    ExternalWrite,
     Floats,
+    Flush,
     Line,
+    Message,
     Polyline,
     Source,
+    SpatialArc,
     Stop,
     TechnologyFunction,
+    TimerAction,
+    UserError,
 )
 
 Row = dict[str, object]
 
 
 def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
-    """The rows of a block, in the order of the program; a polyline gives one per segment, `Wait` and `BlockEnd` none.
+    """The rows of a block, in the order of the program. A polyline gives one per segment, `Wait`, `BlockEnd`, `Hold` none.
 
     Every row has `line`, `n` (block number or None), `program`, `type`. Motion: `from`, `to` (axis name → machine
     coordinate, mm or degrees), `to_pcs` (programmed coordinates), `feed` (mm/min, None for rapid), `rapid`; arcs and
     helices also `centre` (axis name → mm), `radius` (mm), `angle` (degrees, counter-clockwise positive) and `plane`
-    ("XY"). Functions: `number`, `value`, `synch`, for S `spindle`. Dwell: `seconds`. Stop: `kind`.
+    ("XY"), arcs in space `normal` (unit vector) in its place. Functions: `number`, `value`, `synch`, for S `spindle`.
+    Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
+    External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
+    `further`.
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
@@ -40,6 +49,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         }
     elif isinstance(block, Arc):
         yield _arc(block, axis_names)
+    elif isinstance(block, SpatialArc):
+        yield _spatial_arc(block, axis_names)
     elif isinstance(block, Dwell):
         yield {**_source(block.source, "dwell"), "seconds": block.seconds}
     elif isinstance(block, TechnologyFunction):
@@ -50,6 +61,37 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         yield row
     elif isinstance(block, Stop):
         yield {**_source(block.source, "stop"), "kind": block.kind.value}
+    else:
+        yield from _action(block)
+
+
+def _action(block: Block) -> Iterator[Row]:
+    match block:
+        case Flush():
+            yield {**_source(block.source, "flush"), "kind": block.kind.value}
+        case Message():
+            yield {
+                **_source(block.source, "message"),
+                "text": block.text,
+                "receiver": block.receiver.value,
+                "acknowledge": block.acknowledge,
+                "information": block.information,
+            }
+        case TimerAction():
+            yield {**_source(block.source, "timer"), "command": block.command.value, "timer": block.timer}
+        case ExternalWrite():
+            row = _source(block.source, "external")
+            yield row | {"offset": block.offset, "kind": block.kind, "value": block.value}
+        case UserError():
+            yield {
+                **_source(block.source, "error"),
+                "number": block.number,
+                "multiple": block.multiple,
+                "remedy_class": block.remedy_class,
+                "values": list(block.values),
+                "meanings": list(block.meanings),
+                "further": list(block.further),
+            }
 
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
@@ -80,7 +122,21 @@ def _arc(block: Arc, names: Sequence[str]) -> Row:
         "radius": block.radius,
         "angle": block.angle,
         "plane": first + second,
-        **_feed(block.feed, False),
+        **_feed(block.feed, math.isinf(block.feed)),
+    }
+
+
+def _spatial_arc(block: SpatialArc, names: Sequence[str]) -> Row:
+    return {
+        **_source(block.source, "arc"),
+        "from": _axes(block.start, names),
+        "to": _axes(block.end, names),
+        "to_pcs": _axes(block.end_pcs, names),
+        "centre": _axes(block.centre, names[:3]),
+        "radius": math.dist(block.start[:3], block.centre),
+        "angle": block.angle,
+        "normal": block.normal.tolist(),
+        **_feed(block.feed, math.isinf(block.feed)),
     }
 
 

@@ -86,6 +86,7 @@ class Line:
     plane: tuple[int, int] = (0, 1)
     corner: Corner | None = None
     end_feed: float | None = None
+    override_off: bool = False  # G166: every override counts as 100 %
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +109,7 @@ class Arc:
     angle: float
     corner: Corner | None = None
     end_feed: float | None = None
+    override_off: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +135,9 @@ class Polyline:
 
     `points` (k + 1, n_axes) starts with the position before the first move. `feeds` (k,) in mm/min, inf for rapid.
     `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. Programmed coordinates are
-    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes.
+    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes. `plane`: the
+    active plane, None where it is that of the motion before. `one_block`: the run is a curve of one NC block, in which
+    single block does not stop.
     """
 
     program: str
@@ -143,6 +147,8 @@ class Polyline:
     numbers: npt.NDArray[np.int64]
     pcs_shift: Floats
     pcs_gain: Floats | None = None
+    plane: tuple[int, int] | None = None
+    one_block: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +201,17 @@ class BlockEnd:
     """The end of an NC block that has motion: where single block stops."""
 
     source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class SoftwareLimitChange:
+    """G98, G99: the software limits from here on, (negative, positive) per axis, ±inf where there is none.
+
+    Taken by the stage that watches the limits; it does not reach the queue.
+    """
+
+    source: Source
+    limits: tuple[tuple[float, float], ...]
 
 
 class FlushKind(Enum):
@@ -297,6 +314,7 @@ Block = (
     | Dwell
     | Stop
     | BlockEnd
+    | SoftwareLimitChange
     | Flush
     | Hold
     | Message

@@ -20,6 +20,7 @@ from enum import Enum, auto
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
 from runtime.cnc.blocks import Synch, Technology
 from runtime.cnc.interpolator import Interpolator
@@ -29,7 +30,8 @@ from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
-from runtime.hli.layout import StopCondition
+from runtime.hli.layout import Channel as ChannelArea
+from runtime.hli.layout import Hli, StopCondition
 from runtime.hli.technology import Function, Sent, TechnologyPort
 from runtime.hli.units import INT32
 
@@ -51,7 +53,7 @@ _WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _MVS_SVS = int(Synch.MVS_SVS)
 _ARC, _FUNCTION = int(RecordKind.ARC), int(RecordKind.FUNCTION)
-_BLOCK_END = int(RecordKind.BLOCK_END)
+_BLOCK_END, _ACTION = int(RecordKind.BLOCK_END), int(RecordKind.ACTION)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
@@ -65,6 +67,10 @@ _NO_BLOCKS = int(StopCondition.NO_BLOCKS)
 _AXIS_NOT_READY = int(StopCondition.AXIS_NOT_READY)
 _ERROR = int(StopCondition.ERROR)
 _TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
+_MESSAGE = int(StopCondition.MESSAGE)
+_PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
+_SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
+_FATAL = 2  # remedy classes of #ERROR above it
 
 
 class Phase(Enum):
@@ -103,23 +109,33 @@ class _Waiting:
 
 
 class Channel:
-    """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises."""
+    """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises.
+
+    `axes` (n_axes,): indices of the path axes among all axes; `window` (n_axes,): how near each of them is to its set-point
+    when it stands, mm or degrees.
+    """
 
     def __init__(
         self,
         queue: MotionQueue,
         interpolator: Interpolator,
         link: PreparationLink,
-        port: TechnologyPort,
+        hli: Hli,
+        area: ChannelArea,
         spindles: list[Spindle],
         spindle_ports: list[TechnologyPort],
         events: EventRing,
         period: float,
+        axes: npt.NDArray[np.int64],
+        window: Floats,
     ) -> None:
+        self._axes = axes
+        self._window = window
         self.queue = queue
         self.interpolator = interpolator
         self.link = link
-        self.port = port
+        self.port = TechnologyPort(area)
+        self.actions = Actions(queue, link, hli, area, self._tell_message, self._tell_warning)
         self.spindles = spindles
         self.spindle_ports = spindle_ports
         self.events = events
@@ -127,14 +143,15 @@ class Channel:
         self.phase = Phase.IDLE
         self.program = ""
         self.error: ErrorEntry | None = None  # keeps the channel from starting until it is reset
+        self.restart_needed = False  # a program has told a fatal error: no reset clears it
         self.stop_condition = _NONE  # StopCondition
         self.program_ended = True
         self.trace_blocks = False  # every block start and end as an event
         self.block_counter = 0
         self.path_length = 0.0  # mm, of the program that ended last
-        self.problems: deque[Problem] = deque(maxlen=32)  # taken by the runtime, which raises the alarms
+        self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self._waiting: list[_Waiting] = []
-        self._overflow: deque[int] = deque()  # functions (queue records) for which the port had no room
+        self._overflow: deque[QueueRecord] = deque()  # functions for which the port had no room
         self._dwell_left = -1.0
         self._continue_was = False
         self._told_failure = False
@@ -142,6 +159,9 @@ class Channel:
         self._traced_block: tuple[int, int | None] = (0, None)
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
+        self._user_error_told = False
+        self._settling = 0.0  # s at the present #FLUSH WAIT
+        self._actual = np.zeros(0)
         self._time = 0.0
         self._cycle = 0
 
@@ -152,9 +172,10 @@ class Channel:
         self.program = program
         self.program_ended = False
         self.error = None
-        self._told_failure = False
+        self._told_failure = self._user_error_told = False
         self._traced_index = -1
         self.block_counter = 0
+        self.actions.begin()
         self.queue.discard_all()
         self.interpolator.restart(position)
         self.link.start(StartOrder(program, position, skip_levels))
@@ -182,11 +203,13 @@ class Channel:
         self.abort()
 
     def reset(self) -> None:
-        """Abort, drop pending functions, clear the error, stop the spindles."""
+        """Abort, drop pending functions and messages, clear the error unless it is fatal, stop the spindles."""
         self.abort()
         self._stop_spindles()
         self._drop_functions()
-        self.error = None
+        self.actions.drop()
+        if not self.restart_needed:
+            self.error = None
 
     def _stop_spindles(self) -> None:
         for spindle in self.spindles:
@@ -235,9 +258,12 @@ class Channel:
 
     # ------------------------------------------------------------------ the cycle
 
-    def step(self, inputs: ChannelInputs, axes_ready: bool, speeds: Floats, time: float, cycle: int) -> None:
-        """One cycle. `axes_ready`: all path axes may move; `speeds`: actual spindle speeds, degrees/s."""
-        self._time, self._cycle = time, cycle
+    def step(
+        self, inputs: ChannelInputs, axes_ready: bool, speeds: Floats, actual: Floats, time: float, cycle: int
+    ) -> None:
+        """One cycle. `axes_ready`: all path axes may move; `speeds`: actual spindle speeds, degrees/s, `actual`:
+        positions, mm or degrees, both of all axes of the machine."""
+        self._time, self._cycle, self._actual = time, cycle, actual
         pressed = inputs.continue_motion and not self._continue_was
         self._continue_was = inputs.continue_motion
         if self.phase is Phase.STARTING and self.link.answered:
@@ -245,6 +271,7 @@ class Channel:
         if self.phase is Phase.CLEARING and self.link.answered:
             self._cleared()
         self._acknowledge(speeds)
+        self.actions.step()
         if self.phase not in (Phase.RUNNING, Phase.ABORTING):
             self.stop_condition = _ERROR if self.error else _NONE
             return
@@ -258,6 +285,8 @@ class Channel:
             stop |= _AXIS_NOT_READY
         if self._overflow:
             stop |= _TECHNOLOGY_FULL
+        if self.actions.full:
+            stop |= _MESSAGE
         if inputs.override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
@@ -274,7 +303,7 @@ class Channel:
             self._clear()
         elif self.phase is Phase.ABORTING and path.aborted:
             self._clear()
-        elif self.phase is Phase.RUNNING and (path.starved or self._failed_at_once()):
+        elif self.phase is Phase.RUNNING and (path.starved or self._nothing_will_come()):
             stop |= self._out_of_blocks()
         if stop != self.stop_condition:
             standing = stop & ~_OVERRIDE_ZERO
@@ -287,7 +316,7 @@ class Channel:
         self._tell_failure()
         if self.link.state is PreparationState.FAILED and self.interpolator.standstill and not self.waiting_functions:
             self._clear()
-        return _NO_BLOCKS
+        return _NO_BLOCKS | _PROGRAM_WAITS if self.link.holds else _NO_BLOCKS
 
     def _tell_gap(self) -> None:
         """The next block does not begin where the axes stand: an error of ours, seen before anything moved."""
@@ -298,9 +327,9 @@ class Channel:
         values = {"axis": axis + 1, "start": float(record["start"][axis]), "position": float(path.position[axis])}
         self.problems.append(Problem(machine.PATH_APART, values, Place(self.program, int(record["line"]))))
 
-    def _failed_at_once(self) -> bool:
-        """The preparation has failed before it handed over anything: file missing, error found by the check of the file."""
-        return self.interpolator.nothing_known and self.link.state is PreparationState.FAILED
+    def _nothing_will_come(self) -> bool:
+        """Nothing was handed over, and nothing will be: file missing, error found by its check, or the decoder waits."""
+        return self.interpolator.nothing_known and (self.link.state is PreparationState.FAILED or self.link.holds)
 
     def _tell_failure(self) -> None:
         if self.link.state is PreparationState.FAILED and not self._told_failure:
@@ -319,6 +348,7 @@ class Channel:
         self.interpolator.restart(self.interpolator.position.copy())
         self._drop_functions()
         self._dwell_left = -1.0
+        self._settling = 0.0
         self.program_ended = True
         self.phase = Phase.IDLE
 
@@ -353,10 +383,22 @@ class Channel:
         if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
             path.open_gate()
             return _NONE
+        if gate.reason is GateReason.MESSAGE:
+            if self.actions.passable(gate, here=path.at_gate and path.all_told):
+                path.open_gate()
+                return _NONE
+            return _MESSAGE if path.at_gate else _NONE
         if not path.at_gate:
             return _NONE
         if gate.reason is GateReason.DWELL:
             return self._dwell(gate.seconds)
+        if gate.reason is GateReason.FLUSH:
+            path.open_gate()
+            return _NONE
+        if gate.reason is GateReason.FLUSH_WAIT:
+            return self._flush_wait()
+        if gate.reason is GateReason.USER_ERROR:
+            return self._user_error(gate)
         if gate.reason is GateReason.PROGRAM_END:
             if self.waiting_functions:
                 return _WAIT_TECHNOLOGY
@@ -379,18 +421,52 @@ class Channel:
         self.interpolator.open_gate()
         return _NONE
 
+    def _flush_wait(self) -> int:
+        """The decoder goes on when functions of every kind and messages have been taken; it gets to know where the axes are."""
+        path = self.interpolator
+        if not path.standstill or not path.all_told or self._settles():
+            return _NONE
+        if self._waiting or self._overflow or self.port.pending or any(port.pending for port in self.spindle_ports):
+            return _WAIT_TECHNOLOGY
+        if not self.actions.all_taken:
+            return _MESSAGE
+        self._settling = 0.0
+        self.link.reach(path.position, self._actual[self._axes])
+        path.open_gate()
+        return _NONE
+
+    def _settles(self) -> bool:
+        """The axes are still on their way to where the path stands."""
+        self._settling += self.period
+        lag = np.abs(self.interpolator.position - self._actual[self._axes])
+        return self._settling < _SETTLED_AT_LAST and bool((lag > self._window).any())
+
+    def _user_error(self, gate: QueueRecord) -> int:
+        """The path goes no further: the alarm aborts the program here."""
+        if not self._user_error_told:
+            self._user_error_told = True
+            fatal = gate.value > _FATAL
+            self.restart_needed |= fatal
+            place = Place(self.queue.program_name(gate.program), gate.line)
+            values = {"text": self.queue.texts.take(gate.text)}
+            self.problems.append(Problem(machine.USER_FATAL if fatal else machine.USER_ERROR, values, place))
+        return _ERROR
+
     # ------------------------------------------------------------------ technology functions
 
     def _pass(self, index: int) -> None:
         kind = self.queue.kind(index)
         if kind == _FUNCTION:
-            if self._overflow or not self._put_out(read_record(self.queue, index)):
-                self._overflow.append(index)
+            record = read_record(self.queue, index)
+            if self._overflow or not self._put_out(record):
+                self._overflow.append(record)
         elif kind == _BLOCK_END:
             self.block_counter += 1
+        elif kind == _ACTION:
+            self.actions.carry_out(read_record(self.queue, index))
 
     def _put_out_overflow(self) -> None:
-        while self._overflow and self._put_out(read_record(self.queue, self._overflow[0])):
+        while self._overflow and self._put_out(self._overflow[0]):
             self._overflow.popleft()
 
     def _put_out(self, record: QueueRecord) -> bool:
@@ -430,6 +506,20 @@ class Channel:
 
     # ------------------------------------------------------------------ events
 
+    def _tell_message(self, message: Told) -> None:
+        self._event(
+            EventKind.MESSAGE,
+            message.line,
+            message.n,
+            message.receiver,
+            float(message.information),
+            text=message.text,
+        )
+
+    def _tell_warning(self, warning: Warned) -> None:
+        place = Place(warning.program, warning.line)
+        self.problems.append(Problem(machine.USER_WARNING, {"text": warning.text}, place))
+
     @property
     def _n(self) -> int | None:
         """Block number of the block being executed."""
@@ -454,7 +544,14 @@ class Channel:
         self._event(EventKind.BLOCK_START, *self._traced_block)
 
     def _event(
-        self, kind: EventKind, line: int, n: int | None, number: int = 0, value: float = 0.0, axis: int = -1
+        self,
+        kind: EventKind,
+        line: int,
+        n: int | None,
+        number: int = 0,
+        value: float = 0.0,
+        axis: int = -1,
+        text: str = "",
     ) -> None:
         self.events.put(
             Event(
@@ -467,6 +564,7 @@ class Channel:
                 value=value,
                 path_pos=self.interpolator.path_position,
                 axis=axis,
+                text=text,
             )
         )
 

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.queue_texts import TEXTS_BYTES, QueueTexts
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
 CAPACITY = 16384  # some 6 MB; 16 m of path in segments of 1 mm, 1.6 m in segments of 0.1 mm
@@ -40,6 +41,7 @@ class RecordKind(IntEnum):
     FUNCTION = 2  # technology function, put out when the path arrives here
     GATE = 3  # the path stops here unless the gate has been opened
     BLOCK_END = 4  # the end of an NC block: a gate in single block
+    ACTION = 5  # done by the cycle when the path arrives here
 
 
 class GateReason(IntEnum):
@@ -50,6 +52,19 @@ class GateReason(IntEnum):
     PROGRAMMED_STOP = 2  # M00
     OPTIONAL_STOP = 3  # M01
     PROGRAM_END = 4  # M02, M30
+    FLUSH = 5  # #FLUSH: the path stops here for a moment
+    FLUSH_WAIT = 6  # #FLUSH WAIT: everything before it has been done and taken
+    MESSAGE = 7  # a message has to be taken
+    USER_ERROR = 8  # #ERROR: the path goes no further
+
+
+class ActionKind(IntEnum):
+    """What an action does."""
+
+    MESSAGE = 0
+    TIMER = 1
+    EXTERNAL = 2  # an external variable gets its value
+    WARNING = 3  # #ERROR without consequences
 
 
 RECORD = np.dtype(
@@ -84,6 +99,11 @@ RECORD = np.dtype(
         # GATE
         ("reason", "i8"),  # GateReason
         ("seconds", "f8"),
+        # ACTION, and gates of messages and errors; what the other fields mean for them stands in queue_record
+        ("action", "i8"),  # ActionKind
+        ("text", "i8"),  # index into the texts, -1: none
+        ("offset", "i8"),
+        ("size", "i8"),
     ],
     align=True,
 )
@@ -104,7 +124,8 @@ class MotionQueue:
         self.n_axes = n_axes
         self.capacity = capacity
         self._memory: shared_memory.SharedMemory | None = None
-        size = _HEAD + _NAMES + capacity * RECORD.itemsize
+        records = _HEAD + _NAMES + TEXTS_BYTES
+        size = records + capacity * RECORD.itemsize
         if name is None:
             buffer: memoryview | bytearray = bytearray(size)
         else:
@@ -113,7 +134,8 @@ class MotionQueue:
             buffer = self._memory.buf
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
-        self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=_HEAD + _NAMES)
+        self.texts = QueueTexts(buffer, _HEAD + _NAMES)
+        self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=records)
         self._kinds = self.records["kind"]
         self._known: dict[str, int] = {}
 
@@ -174,6 +196,7 @@ class MotionQueue:
     def discard_all(self) -> None:
         """Free everything that has been written so far. Consumer only, at standstill."""
         self.counters[1] = self.counters[0]
+        self.texts.discard_all()
 
     # ------------------------------------------------------------------ memory
 
@@ -182,7 +205,7 @@ class MotionQueue:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self.counters, self._names, self.records, self._kinds
+        del self.counters, self._names, self.texts, self.records, self._kinds
         if unlink:
             remove_shared(memory)
         else:

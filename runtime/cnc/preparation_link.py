@@ -4,6 +4,11 @@
     preparation:  sees order != answer, acts, then sets `answer` = `order`     (has begun, or has stopped writing)
     preparation:  sets `state`, and the problem before it, when it ends
 
+    preparation:  has written a #FLUSH WAIT into the queue, asks the decoder for nothing more
+    cycle:        has come there: writes the positions, then counts `reached` up
+
+What is told at decoding time goes from the preparation to the cycle through `told`.
+
 After an abort is answered the preparation writes no record into the motion queue until the next start, so the cycle may
 throw away what is left in it.
 """
@@ -18,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.decoder_reports import REPORTS_BYTES, DecoderReports
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
 AXES = 8
@@ -50,7 +56,11 @@ _RECORD = np.dtype(
         ("problem_id", "i4"),
         ("problem_line", "i4"),
         ("problem_column", "i4"),
+        ("reached", "u4"),  # places of #FLUSH WAIT since the start of the program
+        ("holds", "i4"),  # the decoder waits for something outside
         ("start", "f8", (AXES,)),
+        ("command", "f8", (AXES,)),  # positions at the place reached last
+        ("actual", "f8", (AXES,)),
         ("program", f"S{FILE}"),
         ("problem_file", f"S{FILE}"),
         ("problem_text", f"S{TEXT}"),
@@ -88,13 +98,14 @@ class PreparationLink:
         self._n_axes = n_axes
         self._memory: shared_memory.SharedMemory | None = None
         if name is None:
-            buffer: bytearray | memoryview = bytearray(_RECORD.itemsize)
+            buffer: bytearray | memoryview = bytearray(_RECORD.itemsize + REPORTS_BYTES)
         else:
-            self._memory = open_shared(name, _RECORD.itemsize if create else None)
+            self._memory = open_shared(name, _RECORD.itemsize + REPORTS_BYTES if create else None)
             assert self._memory.buf is not None
             buffer = self._memory.buf
         self._record = np.frombuffer(buffer, dtype=_RECORD, count=1)[0:1]
         self._fields = {name: self._record[name] for name in _RECORD.names or ()}  # views: making one takes its time
+        self.told = DecoderReports(buffer, _RECORD.itemsize)
 
     def _get(self, name: str) -> int:
         return int(self._fields[name][0])
@@ -109,6 +120,8 @@ class PreparationLink:
         record["skip_levels"][0] = order.skip_levels
         record["state"][0] = PreparationState.RUNNING
         record["problem_id"][0] = 0
+        record["reached"][0] = 0
+        record["holds"][0] = 0
         self._order(Order.START)
 
     def abort(self) -> None:
@@ -139,6 +152,18 @@ class PreparationLink:
         return self._get("state") == _RUNNING
 
     @property
+    def holds(self) -> bool:
+        """The decoder waits for something outside: no blocks will come meanwhile."""
+        return bool(self._get("holds"))
+
+    def reach(self, command: npt.NDArray[np.float64], actual: npt.NDArray[np.float64]) -> None:
+        """The path stands at the next place of #FLUSH WAIT and everything is done; positions (n_axes,), machine coordinates."""
+        record = self._record
+        record["command"][0, : self._n_axes] = command
+        record["actual"][0, : self._n_axes] = actual
+        record["reached"][0] += np.uint32(1)
+
+    @property
     def problem(self) -> Failure:
         """What stopped the preparation."""
         text, file = (
@@ -165,6 +190,25 @@ class PreparationLink:
             skip_levels=self._get("skip_levels"),
         )
 
+    @property
+    def reached(self) -> int:
+        """Places of #FLUSH WAIT that the path has come to since the start of the program."""
+        return self._get("reached")
+
+    @property
+    def command_position(self) -> npt.NDArray[np.float64]:
+        """Where the path stood at the place reached last, (n_axes,), mm or degrees."""
+        return np.array(self._record["command"][0, : self._n_axes])
+
+    @property
+    def actual_position(self) -> npt.NDArray[np.float64]:
+        """Where the axes really were there, (n_axes,), mm or degrees."""
+        return np.array(self._record["actual"][0, : self._n_axes])
+
+    def set_holds(self, holds: bool) -> None:
+        """Tell whether the decoder waits for something outside."""
+        self._record["holds"][0] = holds
+
     def answer(self) -> None:
         self._record["answer"][0] = self._record["order"][0]
 
@@ -182,7 +226,7 @@ class PreparationLink:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self._record, self._fields
+        del self._record, self._fields, self.told
         if unlink:
             remove_shared(memory)
         else:

@@ -5,13 +5,21 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from runtime.cnc.blocks import Synch, Technology
-from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 
 
 class QueueRecord(NamedTuple):
     """Technology fields hold for FUNCTION, reason and seconds for GATE; `feed` in mm/s for elements.
 
     `synch` of a WAIT gate is MVS_SVS if only functions of that type are waited for, else NO_SYNCH.
+
+    `text`, -1 for none, is an index into the texts of the queue. `number` and `value` of
+
+    - a message: 1 if it goes to the PLC, and 1 if it is information; `size` its receiver (position in `Receiver`);
+    - the gate of a message: how many messages for the PLC stand up to here, and 1 if its receiver has to take it first;
+    - a timer: its number, and its command (position in `TimerCommand`);
+    - an external variable: its type (position in `runtime.hli.external.KINDS`), and its value; `offset` and `size` in bytes;
+    - an error: its number, and its remedy class.
     """
 
     kind: RecordKind
@@ -25,6 +33,11 @@ class QueueRecord(NamedTuple):
     reason: GateReason
     seconds: float
     feed: float
+    action: ActionKind
+    text: int
+    offset: int
+    size: int
+    program: int
 
 
 def read_record(queue: MotionQueue, index: int) -> QueueRecord:
@@ -45,4 +58,9 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
         reason=GateReason(int(record["reason"])) if kind is RecordKind.GATE else GateReason.WAIT,
         seconds=float(record["seconds"]),
         feed=float(record["feed"]),
+        action=ActionKind(int(record["action"])),
+        text=int(record["text"]),
+        offset=int(record["offset"]),
+        size=int(record["size"]),
+        program=int(record["program"]),
     )

@@ -11,9 +11,11 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from runtime.config.machine import ContradictionError, Location, Machine, SynchError, UnitError
+from runtime.config.contradictions import ContradictionError, Location
+from runtime.config.machine import Machine
+from runtime.config.quantities import UnitError
 from runtime.diagnostics.catalogue import configuration as errors
-from runtime.diagnostics.errors import ErrorEntry
+from runtime.diagnostics.errors import ErrorEntry, Place
 
 _EXPECTED = {  # pydantic error type -> what belongs there
     "int_type": "a whole number",
@@ -58,12 +60,13 @@ _INTERNAL = {  # dimension -> the unit of a plain number
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """A mistake in our words; `at_key` says that the key itself is wrong, not its value."""
+    """A mistake in our words; `at_key` says that the key itself is wrong, not its value; `place` is in another file."""
 
     entry: ErrorEntry
     location: Location
     values: Mapping[str, object]
     at_key: bool = False
+    place: Place | None = None
 
 
 def explain(details: Iterable[ErrorDetails], given: Callable[[Location], str]) -> Iterator[Explanation]:
@@ -78,7 +81,7 @@ def _explain(detail: ErrorDetails, given: Callable[[Location], str]) -> Iterator
         location = location[:-1]
     if kind == "value_error" and isinstance(context["error"], ContradictionError):
         for found in context["error"].contradictions:
-            yield Explanation(found.entry, location + found.location, found.values, found.at_key)
+            yield Explanation(found.entry, location + found.location, found.values, found.at_key, found.place)
         return
     key = path_text(location)
     raw = repr(location[-1]) if at_key else given(location)
@@ -136,14 +139,6 @@ def _explain_value_error(error: Exception, location: Location, key: str, raw: st
             "internal": _INTERNAL[error.dimension],
         }
         return Explanation(errors.WRONG_UNIT, location, values)
-    if isinstance(error, SynchError):
-        values = {
-            "key": key,
-            "given": repr(error.name),
-            "suggestion": _suggestion(error.name, error.allowed),
-            "allowed": ", ".join(error.allowed),
-        }
-        return Explanation(errors.UNKNOWN_CHOICE, location, values)
     expected = str(error)
     if expected.endswith(" is expected"):
         values = {"key": key, "expected": expected.removesuffix(" is expected"), "given": raw}

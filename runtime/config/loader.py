@@ -16,8 +16,9 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
-from runtime.config.explanations import explain
-from runtime.config.machine import Location, Machine
+from runtime.config.contradictions import Contradiction, Location
+from runtime.config.explanations import Explanation, explain
+from runtime.config.machine import Machine
 from runtime.config.yaml_core import CoreLoader, plain_tag
 from runtime.diagnostics.catalogue import configuration as errors
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, TandemError
@@ -45,7 +46,8 @@ class ConfigurationError(TandemError):
 def load_machine(path: Path | None = None) -> Machine:
     """The machine that the YAML file `path` describes; None is the built-in demo machine.
 
-    Relative paths in the file count from its folder. Raises ConfigurationError.
+    Relative paths in the file count from its folder. What is no mistake but worth knowing stands in
+    `Machine.warnings`. Raises ConfigurationError.
     """
     path = DEMO_MACHINE if path is None else path
     return parse_machine(_read(path), file=str(path), folder=path.parent)
@@ -82,14 +84,27 @@ def parse_machine(text: str, *, file: str = "-", folder: Path | None = None) -> 
         raise refuse(errors.YAML_SYNTAX, error.problem_mark or error.context_mark, reason=reason) from None
     except RecursionError:
         raise refuse(errors.YAML_SYNTAX, reason="it is nested too deeply") from None
+
+    def problem(found: Explanation | Contradiction, *above: str | int) -> Problem:
+        node = _node(root, (*above, *found.location), key=found.at_key)
+        return Problem(found.entry, found.values, found.place or place(node.start_mark))
+
+    def in_order(problem: Problem) -> tuple[bool, str, int, int]:
+        where = problem.place
+        return where.file != file, where.file, where.line, where.column
+
     try:
-        return Machine.model_validate(values, context={"folder": folder})
+        machine = Machine.model_validate(values, context={"folder": folder})
     except ValidationError as error:
-        problems = []
-        for explanation in explain(error.errors(), lambda location: _raw(root, location)):
-            node = _node(root, explanation.location, key=explanation.at_key)
-            problems.append(Problem(explanation.entry, explanation.values, place(node.start_mark)))
-        raise ConfigurationError(sorted(problems, key=lambda p: (p.place.line, p.place.column))) from None
+        problems = [problem(found) for found in explain(error.errors(), lambda location: _raw(root, location))]
+        raise ConfigurationError(sorted(problems, key=in_order)) from None
+    warnings = [
+        problem(found, "channels", index, "parameters")
+        for index, channel in enumerate(machine.channels)
+        for found in channel.parameters.warnings
+    ]
+    machine._warnings = tuple(sorted(warnings, key=in_order))
+    return machine
 
 
 def _read(path: Path) -> str:

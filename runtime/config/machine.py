@@ -6,98 +6,41 @@ refused). Inside everything is mm or degrees, and seconds.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
+from runtime.config.channel.list_file import read_list
+from runtime.config.channel.parameters import ChannelParameters, ChannelSpindle, PathKind
+from runtime.config.channel.reading import read_parameters
+from runtime.config.channel.synchronisation import SYNCH_FLAGS, SYNCH_TYPES
+from runtime.config.consistency import inconsistencies
+from runtime.config.contradictions import Contradiction, ContradictionError, Location
+from runtime.config.external import ExternalVariable, Member
+from runtime.config.model import FileBeside, Model, Several, beside, folder_of
+from runtime.config.quantities import UnitError, parse_quantity
 from runtime.diagnostics.catalogue import configuration as errors
-from runtime.diagnostics.errors import ErrorEntry
+from runtime.diagnostics.errors import Problem
 
-_UNITS: dict[str, dict[str, float]] = {
-    # dimension: unit -> factor to the internal unit
-    "length": {"mm": 1.0, "m": 1000.0, "um": 1e-3, "µm": 1e-3, "inch": 25.4},
-    "angle": {"deg": 1.0},
-    "velocity": {"mm/s": 1.0, "m/min": 1000.0 / 60.0, "m/s": 1000.0, "mm/min": 1.0 / 60.0},
-    "angular velocity": {"deg/s": 1.0, "rev/min": 6.0},
-    "acceleration": {"mm/s^2": 1.0, "m/s^2": 1000.0},
-    "angular acceleration": {"deg/s^2": 1.0, "rev/min/s": 6.0},
-    "jerk": {"mm/s^3": 1.0, "m/s^3": 1000.0},
-    "angular jerk": {"deg/s^3": 1.0, "rev/min/s^2": 6.0},
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
-}
-_ANGULAR = {  # what a dimension is at an axis that turns
-    "length": "angle",
-    "velocity": "angular velocity",
-    "acceleration": "angular acceleration",
-    "jerk": "angular jerk",
-}
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*\Z")
-
-SYNCH_TYPES = ("NOT_VALID", "NO_SYNCH", "MOS", "MVS_SVS", "MVS_SNS", "MNS_SNS")
-SYNCH_FLAGS = ("PLC_INFO",)  # may be added to a type with "|"
-
-Location = tuple[str | int, ...]  # keys and list indices from the root of the description
-
-
-class UnitError(ValueError):
-    """A quantity whose unit does not belong to its dimension."""
-
-    def __init__(self, unit: str, dimension: str, allowed: tuple[str, ...]) -> None:
-        self.unit, self.dimension, self.allowed = unit, dimension, allowed
-        super().__init__(f"{unit!r} is no unit of {dimension}; known: {', '.join(allowed)}")
-
-
-class SynchError(ValueError):
-    """A text that names no synchronisation type."""
-
-    def __init__(self, name: str, allowed: tuple[str, ...]) -> None:
-        self.name, self.allowed = name, allowed
-        super().__init__(f"{name!r} is no synchronisation type; known: {', '.join(allowed)}")
-
-
-@dataclass(frozen=True, slots=True)
-class Contradiction:
-    """Two parts of the description that do not fit together; `location` is the part to blame."""
-
-    entry: ErrorEntry
-    location: Location
-    values: Mapping[str, object]
-    at_key: bool = False  # the key itself is to blame, not its value
-
-
-class ContradictionError(ValueError):
-    """Everything found that does not fit together; locations count from the model whose validator raised it."""
-
-    def __init__(self, contradictions: Iterable[Contradiction]) -> None:
-        self.contradictions = tuple(contradictions)
-        super().__init__("; ".join(c.entry.text.format(**c.values) for c in self.contradictions))
-
-
-def parse_quantity(value: object, dimension: str, *, angular: bool | None = None) -> float:
-    """A number in the internal unit of `dimension` from a number or a text with a unit.
-
-    `angular` tells whether the quantity belongs to an axis that turns; None allows both. Raises UnitError for a unit of
-    something else, ValueError for what is no quantity.
-    """
-    allowed = dict(_UNITS[dimension]) if not (angular and dimension in _ANGULAR) else {}
-    if angular is not False and dimension in _ANGULAR:
-        allowed |= _UNITS[_ANGULAR[dimension]]
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(value, str) and (match := _QUANTITY.match(value)):
-        unit = match.group(2).replace("²", "^2").replace("³", "^3")
-        if unit == "":
-            return float(match.group(1))
-        if unit in allowed:
-            return float(match.group(1)) * allowed[unit]
-        name = _ANGULAR.get(dimension, dimension) if angular else dimension
-        raise UnitError(match.group(2), name, tuple(allowed))
-    raise ValueError(f"a number with or without a unit ({', '.join(allowed)}) is expected")
+__all__ = [
+    "SYNCH_FLAGS",
+    "SYNCH_TYPES",
+    "Axis",
+    "AxisType",
+    "Channel",
+    "ChannelParameters",
+    "ChannelSpindle",
+    "Contradiction",
+    "ContradictionError",
+    "Drive",
+    "Location",
+    "Machine",
+    "UnitError",
+    "parse_quantity",
+]
 
 
 def _quantity(dimension: str) -> BeforeValidator:
@@ -108,26 +51,8 @@ def _quantity(dimension: str) -> BeforeValidator:
     return BeforeValidator(parse)
 
 
-def _synch_name(value: str) -> str:
-    names = [name.strip() for name in value.split("|")]
-    for name in names:
-        if name not in SYNCH_TYPES + SYNCH_FLAGS:
-            raise SynchError(name, SYNCH_TYPES + SYNCH_FLAGS)
-    if sum(name in SYNCH_TYPES for name in names) != 1:
-        raise ValueError(
-            f"exactly one of {', '.join(SYNCH_TYPES)} is expected, with {', '.join(SYNCH_FLAGS)} added or not"
-        )
-    return value
-
-
-def _beside(value: str, info: ValidationInfo) -> str:
-    """Paths in a description count from its folder, wherever the command is given."""
-    folder = (info.context or {}).get("folder")
-    return value if folder is None else str((Path(folder) / value).absolute())
-
-
 def _program_beside(value: str, info: ValidationInfo) -> str:
-    return _beside(value, info) if value.endswith(".py") else value
+    return beside(value, info) if value.endswith(".py") else value
 
 
 def _option(value: object) -> object:
@@ -136,8 +61,27 @@ def _option(value: object) -> object:
     return value
 
 
-T = TypeVar("T")
-Several = Annotated[tuple[T, ...], Field(strict=False)]  # a YAML list
+def _readable_list(value: str) -> str:
+    try:
+        read_list(Path(value))
+    except OSError as error:
+        values = {"reason": error.strerror or str(error)}
+        raise ContradictionError([Contradiction(errors.LIST_NOT_READABLE, (), values)]) from None
+    return value
+
+
+def _parameters(value: object, info: ValidationInfo) -> object:
+    """The parameters from their YAML tree and from the list beside it, which has been validated before."""
+    chosen = info.data.get("parameter_list")
+    if isinstance(value, ChannelParameters):
+        if chosen is None:
+            return value
+        value = {}
+    if not isinstance(value, Mapping):
+        raise ValueError("a mapping (key: value) is expected")
+    return read_parameters(value, None if chosen is None else Path(chosen), folder_of(info))
+
+
 Length = Annotated[float, _quantity("length")]
 Velocity = Annotated[float, _quantity("velocity"), Field(gt=0)]
 Acceleration = Annotated[float, _quantity("acceleration"), Field(gt=0)]
@@ -145,11 +89,7 @@ Jerk = Annotated[float, _quantity("jerk"), Field(gt=0)]
 Seconds = Annotated[float, _quantity("time"), Field(gt=0)]
 Option = Annotated[int | float | str | bool, BeforeValidator(_option)]
 Identity = Annotated[int, Field(ge=0, le=0xFFFFFFFF)]  # of CANopen object 0x1018
-FileBeside = Annotated[str, Field(min_length=1), AfterValidator(_beside)]
-
-
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+ParameterList = Annotated[FileBeside, AfterValidator(_readable_list)]
 
 
 class AxisType(StrEnum):
@@ -158,14 +98,14 @@ class AxisType(StrEnum):
     SPINDLE = "spindle"
 
 
-class SimulatedServo(_Model):
+class SimulatedServo(Model):
     """The second-order servo of a simulated drive."""
 
     bandwidth_hz: float = Field(default=40.0, gt=0)
     damping: float = Field(default=1.0, gt=0)
 
 
-class Drive(_Model):
+class Drive(Model):
     """The CiA 402 drive of an axis."""
 
     node: int = Field(ge=1, le=127)
@@ -177,7 +117,7 @@ class Drive(_Model):
     simulated: SimulatedServo = SimulatedServo()
 
 
-class Axis(_Model):
+class Axis(Model):
     """An axis or spindle and what it may be asked to do, in mm or, if it turns, degrees, and seconds."""
 
     name: str = Field(pattern=r"^[A-CQS-Z][A-Za-z0-9_]{0,15}$")
@@ -201,53 +141,37 @@ class Axis(_Model):
         return self
 
 
-SynchName = Annotated[str, AfterValidator(_synch_name)]
-FunctionNumber = Annotated[int, Field(ge=0, le=999)]
 ZeroOffsetName = Annotated[str, Field(pattern=r"^G5[4-9]$")]
 
 
-class ChannelSpindle(_Model):
-    """A spindle of a channel, under the names of the channel parameters (manual line 3772 and following)."""
-
-    bezeichnung: str  # name of the axis
-    s_synch: SynchName = "NO_SYNCH"
-    m3_synch: SynchName = "NO_SYNCH"
-    m4_synch: SynchName = "NO_SYNCH"
-    m5_synch: SynchName = "NO_SYNCH"
-
-
-class ChannelTool(_Model):
-    """`tool.synch` (P-CHAN-00086)."""
-
-    synch: SynchName = "NO_SYNCH"
-
-
-class ProgramStart(_Model):
-    """`prog_start.*`: what holds when a program starts."""
-
-    feedrate: float = Field(default=0.0, ge=0)  # P-CHAN-00099, mm/min
-
-
-class ChannelParameters(_Model):
-    """Channel parameters under their manual names."""
-
-    m_synch: dict[FunctionNumber, SynchName] = Field(default_factory=dict)  # P-CHAN-00041
-    h_synch: dict[FunctionNumber, SynchName] = Field(default_factory=dict)  # P-CHAN-00027
-    spindel: Several[ChannelSpindle] = ()
-    tool: ChannelTool = ChannelTool()
-    prog_start: ProgramStart = ProgramStart()
-    max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
-
-
-class Channel(_Model):
+class Channel(Model):
     name: str = Field(min_length=1, max_length=31)
     axes: Several[str] = Field(min_length=1, max_length=8)  # the first three are the main axes
-    program_paths: Several[FileBeside] = (".",)  # where global subprograms are looked for
+    program_paths: Several[FileBeside] = (".",)  # where programs are looked for, if there are no path[] parameters
     zero_offsets: dict[ZeroOffsetName, dict[str, Length]] = Field(default_factory=dict)  # "G54" -> axis -> mm
-    parameters: ChannelParameters = ChannelParameters()
+    parameter_list: ParameterList | None = None  # list file of channel parameters; before `parameters`, which read it
+    parameters: Annotated[ChannelParameters, BeforeValidator(_parameters)] = Field(
+        default=ChannelParameters(), validate_default=True
+    )
+
+    @model_validator(mode="after")
+    def _paths_once(self) -> Channel:
+        if self.parameters.path and "program_paths" in self.model_fields_set:
+            values = {"channel": self.name}
+            raise ContradictionError([Contradiction(errors.PATHS_TWICE, ("program_paths",), values, at_key=True)])
+        return self
+
+    def folders(self, kind: PathKind) -> tuple[str, ...]:
+        """The folders of a kind, in the order in which they are searched: `path[]`, or else `program_paths`.
+
+        `program_paths` hold main programs and subroutines.
+        """
+        if self.parameters.path:
+            return self.parameters.folders(kind)
+        return self.program_paths if kind & (PathKind.MAIN | PathKind.SUBROUTINE) else ()
 
 
-class Bus(_Model):
+class Bus(Model):
     """The CAN bus, in python-can's terms."""
 
     interface: Literal["socketcan", "virtual", "udp_multicast"] = "socketcan"
@@ -260,7 +184,7 @@ class Bus(_Model):
     boot_timeout: Seconds = 5.0
 
 
-class IoNode(_Model):
+class IoNode(Model):
     """A CiA 401 node; its inputs and outputs get the image bits that `inputs` and `outputs` name, in order."""
 
     node: int = Field(ge=1, le=127)
@@ -270,12 +194,12 @@ class IoNode(_Model):
     outputs: Several[str] = ()
 
 
-class Fieldbus(_Model):
+class Fieldbus(Model):
     bus: Bus = Bus()
     io: Several[IoNode] = ()
 
 
-class Plc(_Model):
+class Plc(Model):
     program: Annotated[str, Field(min_length=1), AfterValidator(_program_beside)] | None = (
         None  # "file.py" beside the description, or "package.module:Class"
     )
@@ -283,35 +207,40 @@ class Plc(_Model):
     watchdog: Seconds = 0.05  # longest time without a finished PLC cycle
 
 
-class Cycle(_Model):
+class Cycle(Model):
     period: Annotated[Seconds, Field(ge=0.0001, le=0.02)] = 0.001
     cpu: Annotated[int, Field(ge=0)] | None = None  # pin the cycle process to this processor
     priority: int = Field(default=80, ge=1, le=98)  # SCHED_FIFO; the PLC runs 10 below
 
 
-class Metrics(_Model):
+class Metrics(Model):
     enabled: bool = True
     host: str = "127.0.0.1"
     port: int = Field(default=9402, ge=0, le=65535)
 
 
-class Machine(_Model):
+class Machine(Model):
     """A whole machine."""
 
     name: str = Field(min_length=1, max_length=31)
     cycle: Cycle = Cycle()
     axes: Several[Axis] = Field(min_length=1, max_length=16)
     channels: Several[Channel] = Field(min_length=1, max_length=1)
+    structures: dict[str, Annotated[Several[Member], Field(min_length=1)]] = Field(default_factory=dict)
+    external_variables: Several[ExternalVariable] = ()  # V.E, shared with the PLC
     fieldbus: Fieldbus = Fieldbus()
     plc: Plc = Plc()
     metrics: Metrics = Metrics()
+    error_texts: FileBeside | None = None  # texts for #ERROR, lines `number text`
     state_directory: Annotated[Path, Field(strict=False)] | None = (
         None  # retained data; default: $STATE_DIRECTORY, else ~/.local/state/tandem
     )
 
+    _warnings: tuple[Problem, ...] = PrivateAttr(default=())
+
     @model_validator(mode="after")
     def _consistent(self) -> Machine:
-        if found := [*_twice(self), *_shared_nodes(self), *_unknown_axes(self), *_short_watchdogs(self)]:
+        if found := [*inconsistencies(self)]:
             raise ContradictionError(found)
         return self
 
@@ -319,88 +248,7 @@ class Machine(_Model):
         """Index of an axis in `axes`, which is also its index in the HLI and in the drive image."""
         return next(i for i, axis in enumerate(self.axes) if axis.name == name)
 
-
-def _twice(machine: Machine) -> Iterator[Contradiction]:
-    """Axis names and logical axis numbers are given once."""
-    for key, what in (("name", "Axis name"), ("log_axis", "Logical axis number")):
-        seen: set[object] = set()
-        for index, axis in enumerate(machine.axes):
-            value = getattr(axis, key)
-            if value in seen:
-                yield Contradiction(errors.NOT_UNIQUE, ("axes", index, key), {"what": what, "value": value})
-            seen.add(value)
-
-
-def _shared_nodes(machine: Machine) -> Iterator[Contradiction]:
-    """A CANopen node id belongs to one device; the master is one too."""
-    owners: dict[int, str] = {machine.fieldbus.bus.master_node: "the master (fieldbus.bus.master_node)"}
-    used: list[tuple[int, str, Location]] = [
-        (axis.drive.node, f"axis {axis.name}", ("axes", index, "drive", "node"))
-        for index, axis in enumerate(machine.axes)
-        if axis.drive
-    ]
-    used += [
-        (io.node, f"I/O node fieldbus.io[{index}]", ("fieldbus", "io", index, "node"))
-        for index, io in enumerate(machine.fieldbus.io)
-    ]
-    for node, owner, location in used:
-        if node in owners:
-            yield Contradiction(errors.NODE_TWICE, location, {"node": node, "first": owners[node], "second": owner})
-        else:
-            owners[node] = owner
-
-
-def _unknown(
-    location: Location, user: str, axis: str, reason: str, known: str, *, at_key: bool = False
-) -> Contradiction:
-    values = {"user": user, "axis": axis, "reason": reason, "known": known}
-    return Contradiction(errors.UNKNOWN_AXIS, location, values, at_key)
-
-
-def _unknown_axes(machine: Machine) -> Iterator[Contradiction]:
-    """A channel uses axes that are described, its spindles are spindles, its zero offsets shift its own axes."""
-    types = {axis.name: axis.type for axis in machine.axes}
-    for index, channel in enumerate(machine.channels):
-        user = f"Channel {channel.name}"
-        known = ", ".join(types)
-
-        for number, name in enumerate(channel.axes):
-            location: Location = ("channels", index, "axes", number)
-            if name not in types:
-                yield _unknown(location, user, name, "is not described under axes", known)
-            elif name in channel.axes[:number]:
-                yield _unknown(location, user, name, "stands in the list already", known)
-        for number, spindle in enumerate(channel.parameters.spindel):
-            location = ("channels", index, "parameters", "spindel", number, "bezeichnung")
-            name = spindle.bezeichnung
-            if name not in types:
-                yield _unknown(location, user, name, "is not described under axes", known)
-            elif types[name] is not AxisType.SPINDLE:
-                values = {"channel": channel.name, "axis": name, "type": types[name].value}
-                yield Contradiction(errors.SPINDLE_EXPECTED, location, values)
-        for offset, shifts in channel.zero_offsets.items():
-            for name in shifts:
-                if name not in channel.axes:
-                    location = ("channels", index, "zero_offsets", offset, name)
-                    user = f"Zero offset {offset} of channel {channel.name}"
-                    yield _unknown(
-                        location, user, name, "is no axis of the channel", ", ".join(channel.axes), at_key=True
-                    )
-
-
-def _short_watchdogs(machine: Machine) -> Iterator[Contradiction]:
-    """A time limit longer than what it watches, else it fires on a healthy machine."""
-    bus, plc = machine.fieldbus.bus, machine.plc
-    for what, timeout, of_what, cycle, location in (
-        ("The PLC watchdog", plc.watchdog, "the PLC cycle", plc.every * machine.cycle.period, ("plc", "watchdog")),
-        (
-            "The heartbeat timeout",
-            bus.heartbeat_timeout,
-            "the heartbeat's producer time",
-            bus.heartbeat,
-            ("fieldbus", "bus", "heartbeat_timeout"),
-        ),
-    ):
-        if timeout <= cycle:
-            values = {"what": what, "timeout": timeout, "cycle": cycle, "of_what": of_what}
-            yield Contradiction(errors.WATCHDOG_TOO_SHORT, location, values)
+    @property
+    def warnings(self) -> tuple[Problem, ...]:
+        """What was found while the description was read and is no mistake, in the order of the file."""
+        return self._warnings

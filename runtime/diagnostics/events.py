@@ -15,6 +15,7 @@ import numpy as np
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
 CAPACITY = 8192
+TEXT_BYTES = 260
 
 
 class EventKind(IntEnum):
@@ -30,7 +31,7 @@ class EventKind(IntEnum):
     S_ACK = auto()
     T_OUT = auto()
     T_ACK = auto()
-    MESSAGE = auto()
+    MESSAGE = auto()  # of the NC program: number is the receiver (position in RECEIVERS), value 1 information
     ERROR = auto()
     MODE = auto()
     SPINDLE = auto()
@@ -39,6 +40,9 @@ class EventKind(IntEnum):
     DRIVE = auto()  # a drive changed its state: number is the axis index, value the state
     PLC = auto()  # the PLC process started (1) or was lost (0)
     RESET = auto()
+
+
+RECEIVERS = ("ISG_DIAG_BED", "HMI", "PLC", "EVENT_LOGGER")  # of messages, as in runtime.cnc.blocks.Receiver
 
 
 RECORD = np.dtype(
@@ -52,7 +56,7 @@ RECORD = np.dtype(
         ("n", "i4"),  # -1: no block number
         ("number", "i4"),
         ("axis", "i4"),  # index, -1: none
-        ("text", "S236"),
+        ("text", f"S{TEXT_BYTES}"),
     ],
     align=True,
 )
@@ -113,7 +117,7 @@ class EventRing:
             -1 if event.n is None else event.n,
             event.number,
             event.axis,
-            event.text.encode("utf-8", "replace")[:236],
+            event.text.encode("utf-8", "replace")[:TEXT_BYTES],
         )
         self._counters[0] = np.uint64(written + 1)
 

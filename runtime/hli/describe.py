@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from runtime.config.external import ExternalLayout
 from runtime.config.machine import AxisType, Machine
+from runtime.hli.external import describe_external, directory_of
 from runtime.hli.layout import Hli
 from runtime.hli.memory import put_text
 
@@ -25,6 +27,7 @@ def describe_machine(hli: Hli, machine: Machine) -> None:
         area.axis_count_r = len(channel.axes)
         for i, name in enumerate(channel.axes):
             area.axis_index_r[i] = machine.axis_index(name)
+    describe_external(hli, directory_of(ExternalLayout.of(machine).elements))
 
 
 def io_bits(machine: Machine) -> tuple[dict[str, int], dict[str, int]]:

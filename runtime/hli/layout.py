@@ -26,6 +26,12 @@ IMAGE_ANALOGUE = 32
 NAME = 32
 TEXT = 240
 LONG_TEXT = 1000
+MESSAGE_TEXT = 256  # of a message of the NC program, with its end mark
+TIMERS = 128  # counters of #TIMER
+EXTERNAL_BYTES = 65536  # area of the external variables
+EXTERNAL_NAMES = 1024  # external variables and elements of structures with a name
+EXTERNAL_PATH = 96
+EXTERNAL_INDICES = 6
 MAGIC = 0x314D444E4154  # "TANDM1"
 VERSION = "1.0"  # of the layout; its hash tells every other difference
 
@@ -67,6 +73,8 @@ class StopCondition(IntFlag):
     AXIS_NOT_READY = 0x200
     ERROR = 0x400
     TECHNOLOGY_FULL = 0x800  # no free unit: the PLC does not take its functions
+    MESSAGE = 0x1000  # a message has to be taken: by SYN_ACK, by #FLUSH WAIT, or since ten of them wait
+    PROGRAM_WAITS = 0x2000  # nothing is known as the decoder waits for something outside (#WAIT FOR, ACK)
 
 
 class AxisState(IntEnum):
@@ -180,6 +188,21 @@ class TechnologyUnit(c.Structure):
         ("please_rw", c.c_bool),
         ("done_w", c.c_bool),
     ]
+
+
+class MessageText(c.Structure):
+    """A message of the NC program for the PLC; `typ` 0 none yet, 1 #MSG, 2 #MSG INFO."""
+
+    _fields_ = [("contents", c.c_char * MESSAGE_TEXT), ("typ", c.c_uint32)]
+
+
+class MessageUnit(c.Structure):
+    """Messages for the PLC, one at a time: the CNC fills `request_r` and raises the flag, the PLC reads and lowers it.
+
+    `sequence_r` counts the messages: a PLC that reads one while a reset withdraws it sees another number.
+    """
+
+    _fields_ = [("request_r", MessageText), ("sequence_r", c.c_uint32), ("request_semaphor_rw", c.c_bool)]
 
 
 # --------------------------------------------------------------------------------------------- areas
@@ -338,6 +361,7 @@ class Channel(c.Structure):
         ("lc_reset", LcUnit),  # the PLC forgets the technology functions of this area
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+        ("msg_mc_control", MessageUnit),
     ]
 
 
@@ -417,6 +441,39 @@ class ProcessImage(c.Structure):
     ]
 
 
+class Timer(c.Structure):
+    """A counter of #TIMER: what it has counted before `started_ns_r`, and whether it goes on since then.
+
+    `latched_r`: its count in ms when it was last read on the path.
+    """
+
+    _fields_ = [
+        ("counted_ns_r", c.c_uint64),
+        ("started_ns_r", c.c_uint64),
+        ("latched_r", c.c_uint32),
+        ("running_r", c.c_bool),
+    ]
+
+
+class ExternalName(c.Structure):
+    """An external variable, or an element of a structure: where it lies in the area, and what it is.
+
+    `path_r` is its name below V.E, elements separated by dots, [] where an index belongs. `offset_r` is where the value with all
+    indices 0 begins, `size_r` the bytes of one value, `extents_r` and `strides_r` (bytes) belong to the indices from the left.
+    """
+
+    _fields_ = [
+        ("path_r", c.c_char * EXTERNAL_PATH),
+        ("kind_r", c.c_char * 16),
+        ("access_r", c.c_char * 16),  # of the NC program
+        ("offset_r", c.c_uint32),
+        ("size_r", c.c_uint32),
+        ("extents_r", c.c_uint32 * EXTERNAL_INDICES),
+        ("strides_r", c.c_uint32 * EXTERNAL_INDICES),
+        ("synchronous_r", c.c_bool),
+    ]
+
+
 class Hli(c.Structure):
     """The whole interface."""
 
@@ -429,4 +486,8 @@ class Hli(c.Structure):
         ("image", ProcessImage),
         ("alarm_count_r", c.c_uint64),  # alarms since start; the newest stands at (alarm_count_r - 1) % ALARMS
         ("alarms", Alarm * ALARMS),
+        ("timers", Timer * TIMERS),
+        ("external_count_r", c.c_uint32),
+        ("external_names", ExternalName * EXTERNAL_NAMES),
+        ("external", c.c_uint64 * (EXTERNAL_BYTES // 8)),  # NC program and PLC both write; zero at start
     ]

@@ -1,6 +1,7 @@
 """What a PLC program imports: the base class, the handlers of technology functions, the blocks of IEC 61131-3."""
 
 from runtime.hli.layout import AxisState, Mode, State, StopCondition
+from runtime.plc_logic.areas import NcMessage
 from runtime.plc_logic.cycle_time import cycle_at
 from runtime.plc_logic.errors import PlcError, PlcFailure
 from runtime.plc_logic.function_blocks import CTD, CTU, CTUD, F_TRIG, R_TRIG, RS, SR, TOF, TON, TP
@@ -21,6 +22,7 @@ __all__ = [
     "AxisState",
     "Mode",
     "NcFunction",
+    "NcMessage",
     "PlcError",
     "PlcFailure",
     "Program",

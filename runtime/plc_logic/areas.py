@@ -20,6 +20,7 @@ from runtime.hli.layout import (
     Uns32Unit,
 )
 from runtime.hli.memory import get_text, put_text
+from runtime.hli.messages import MessageTaker, Offered
 from runtime.hli.modes import Wish
 from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED
 
@@ -116,6 +117,27 @@ class OperatorWishes:
         return bool(self._control.optional_stop.request_r)
 
 
+class NcMessage:
+    """A message of the NC program for the PLC (#MSG PLC). It waits until `acknowledge` is called."""
+
+    def __init__(self, taker: MessageTaker, message: Offered) -> None:
+        self._taker = taker
+        self._message = message
+
+    @property
+    def text(self) -> str:
+        return self._message.text
+
+    @property
+    def information(self) -> bool:
+        """#MSG INFO: the text is no text for people, but for this program."""
+        return self._message.information
+
+    def acknowledge(self) -> None:
+        """It was read: the next one may come, and an NC program that waits for this goes on."""
+        self._taker.take(self._message)
+
+
 class ChannelPort(_Area):
     """One NC channel."""
 
@@ -131,6 +153,7 @@ class ChannelPort(_Area):
         self._modes = channel.control.mode_and_state
         self._continue = _OneShot(channel.control.continue_motion)
         self._reset = _OneShot(channel.control.reset)
+        self._messages = MessageTaker(channel)
         self._waiting: Wish | None = None
         self.claims_orders = False  # TRUE: the operator's orders (start, stop) wait for allow_order or refuse_order
         self.operator = OperatorWishes(channel.control)
@@ -171,6 +194,14 @@ class ChannelPort(_Area):
         """Go on after M00, M01 or single block; without effect while nothing waits for it."""
         if self.waits_for_continue:
             self._continue.give()
+
+    # ------------------------------------------------------------------ messages
+
+    @property
+    def message(self) -> NcMessage | None:
+        """The message of the NC program that waits for this program. After ten that nobody takes the path stops."""
+        offered = self._messages.offered()
+        return None if offered is None else NcMessage(self._messages, offered)
 
     # ------------------------------------------------------------------ status
 

@@ -19,8 +19,10 @@ from typing import Generic, TypeVar
 
 from runtime.hli.alarms import Report, take_report
 from runtime.hli.control import AxisCommands, ChannelCommands
+from runtime.hli.external import ExternalEntry, describe_external
 from runtime.hli.layout import Channel
 from runtime.hli.memory import HliMemory, put_text
+from runtime.hli.messages import MessagePort, Waiting
 from runtime.hli.modes import Wish
 from runtime.hli.technology import Function, Kind, Sent, TechnologyPort
 from runtime.hli.units import REV_PER_MIN, to_int32
@@ -43,10 +45,14 @@ class Bench(Generic[P]):
         *,
         axes: Sequence[str] = ("X", "Y", "Z"),
         spindles: Sequence[str] = ("S",),
+        external: Sequence[ExternalEntry] = (),
         cycle_time: float = 0.004,
         plant: Callable[[Bench[P]], None] | None = None,
     ) -> None:
-        """`plant` is called before every cycle: it may look at outputs and set inputs, as the real machine would."""
+        """`plant` is called before every cycle: it may look at outputs and set inputs, as the real machine would.
+
+        `external`: the external variables of the machine.
+        """
         self.memory = HliMemory.private()
         hli = self.hli = self.memory.hli
         self._inputs = {name: bit for bit, name in enumerate(inputs)}
@@ -54,6 +60,7 @@ class Bench(Generic[P]):
         self._period_ns = round(cycle_time * 1e9)
         self._plant = plant
         self.time_ns = 0
+        describe_external(hli, external)
         hli.head.channels_r = 1
         hli.head.axes_r = len(axes) + len(spindles)
         self.channel: Channel = hli.channels[0]
@@ -63,6 +70,7 @@ class Bench(Generic[P]):
             put_text(hli.axes[index], "name_r", name)
             hli.axes[index].axis_type_r = SPINDLE if name in spindles else 1
         self._port = TechnologyPort(self.channel)
+        self._messages = MessagePort(self.channel)
         self._axis_ports = {name: TechnologyPort(hli.axes[i]) for name, i in self._axis_index.items()}
         self.commands = ChannelCommands(self.channel, hli.operator[0], max_override=2000)
         self.axis_commands = {name: AxisCommands(hli.axes[i]) for name, i in self._axis_index.items()}
@@ -125,10 +133,20 @@ class Bench(Generic[P]):
         )
         return self._put(self._axis_ports[spindle], function)
 
+    def message(self, text: str, *, information: bool = False) -> None:
+        """Put out a message for the PLC, #MSG PLC or #MSG INFO PLC."""
+        self._messages.put(Waiting(text, information, 0))
+
+    @property
+    def untaken_messages(self) -> int:
+        """Messages that the program has not acknowledged."""
+        return self._messages.waiting
+
     def reset(self) -> None:
-        """Let the CNC reset its channel: all functions are withdrawn."""
+        """Let the CNC reset its channel: all functions and messages are withdrawn."""
         for port in (self._port, *self._axis_ports.values()):
             port.drop_all()
+        self._messages.drop_all()
 
     # ------------------------------------------------------------------ time
 
@@ -143,10 +161,12 @@ class Bench(Generic[P]):
         if (order := self.commands.modes.take(bool(self.channel.plc_present_w))) is not None:
             self.orders.append(order.wish)
             self.commands.modes.answer()
+        self._messages.poll()
         self.hli.platform.plc_cycle_request_r += 1
         self.host.cycle(self.time_ns)
         for port in (self._port, *self._axis_ports.values()):
             port.poll()
+        self._messages.poll()
         if (report := take_report(self.hli.platform.lc_error)) is not None:
             self.reports.append(report)
 

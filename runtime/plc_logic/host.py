@@ -12,6 +12,7 @@ from runtime.hli.technology import Taken, TechnologyTaker
 from runtime.plc_logic.areas import AxisPort, ChannelPort, SpindlePort
 from runtime.plc_logic.cycle_time import cycle_at_ns
 from runtime.plc_logic.errors import PlcError, PlcFailure
+from runtime.plc_logic.external import external_of
 from runtime.plc_logic.handlers import NcFunction, nc_function
 from runtime.plc_logic.image import Io
 from runtime.plc_logic.loader import failure
@@ -82,6 +83,7 @@ class PlcHost:
         self._program_type = program
         self._bound = {
             "io": self._io,
+            "external": external_of(hli),
             "channels": channel_ports,
             "axes": ByName("axis", {port.name: port for port in axis_ports}),
             "spindles": ByName("spindle", {port.name: port for port in axis_ports if isinstance(port, SpindlePort)}),

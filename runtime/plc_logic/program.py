@@ -11,6 +11,7 @@ from runtime.hli.technology import Kind
 from runtime.plc_logic.areas import AxisPort, ChannelPort, SpindlePort
 from runtime.plc_logic.cycle_time import now_ns
 from runtime.plc_logic.errors import PlcError
+from runtime.plc_logic.external import ExternalStructure
 from runtime.plc_logic.handlers import Key
 from runtime.plc_logic.image import Io
 from runtime.plc_logic.reports import Reports
@@ -47,6 +48,7 @@ class Program:
     """
 
     io: Io
+    external: ExternalStructure  # V.E: what is shared with the NC programs
     channels: list[ChannelPort]
     axes: ByName[AxisPort]  # spindles included
     spindles: ByName[SpindlePort]

@@ -87,11 +87,14 @@ class Controller:
             queue,
             self.interpolator,
             link,
-            TechnologyPort(hli.channels[0]),
+            hli,
+            hli.channels[0],
             spindles,
             [TechnologyPort(hli.axes[i]) for i in indices],
             events,
             period,
+            self._path_axes,
+            np.array([axis.in_position for axis in path_axes]),
         )
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
@@ -132,7 +135,14 @@ class Controller:
         """Path and spindles: one set-point for every axis."""
         image = self.drives.image
         enabled = self._enabled
-        self.channel.step(self.orders.inputs, self._path_enabled, image.actual_velocity, self.time, self.cycle_number)
+        self.channel.step(
+            self.orders.inputs,
+            self._path_enabled,
+            image.actual_velocity,
+            image.actual_position,
+            self.time,
+            self.cycle_number,
+        )
         if self.channel.active:
             if self._path_enabled and not self._astray:
                 image.target_position[self._path_axes] = self.interpolator.position
@@ -264,6 +274,8 @@ class Controller:
     def _hindrance(self) -> Problem | None:
         """Why no program can start now."""
         image = self.drives.image
+        if self.channel.restart_needed:
+            return Problem(alarms.RESTART_NEEDED)
         if self.channel.error is not None:
             return Problem(alarms.CHANNEL_IN_ERROR)
         for i in self._path_axes:
@@ -291,6 +303,8 @@ class Controller:
         self.channel.reset()
         self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
         self.alarms.acknowledge()
+        if self.channel.restart_needed:
+            self.alarm(Problem(alarms.RESTART_NEEDED))
         self._told[:] = False
         self.drives.tell_again()
         if self.plc is not None:

@@ -21,13 +21,13 @@ from typing import Protocol, TextIO
 
 from runtime.diagnostics.catalogue import CATALOGUE
 from runtime.diagnostics.errors import Problem, Severity
-from runtime.diagnostics.events import Event, EventKind
+from runtime.diagnostics.events import RECEIVERS, Event, EventKind
 
 SOCKET = Path("/run/systemd/journal/socket")
 
 _PRIORITY = {Severity.MESSAGE: 5, Severity.WARNING: 4, Severity.ERROR: 3, Severity.FATAL: 2}  # as in syslog(3)
 _NAMES = {3: "error", 2: "fatal", 4: "warning", 5: "notice", 6: "info"}
-_WARNING, _INFO = 4, 6
+_WARNING, _NOTICE, _INFO = 4, 5, 6
 
 
 class Journal(Protocol):
@@ -131,12 +131,16 @@ def write_event(journal: Journal, event: Event, axes: Sequence[str] = (), severi
     """An event of the cycle. `axes`: axis names by index; `severity`: of the error, where the event is one."""
     name = event.kind.name.lower()
     priority = _PRIORITY[severity] if event.kind is EventKind.ERROR else _INFO
+    if event.kind is EventKind.MESSAGE:
+        priority = _NOTICE  # the program speaks to the operator
     fields: dict[str, object] = {"TANDEM_EVENT": name, "TANDEM_CYCLE": event.cycle, "TANDEM_TIME": f"{event.t:.6f}"}
     if event.kind is EventKind.ERROR:
         fields |= {"TANDEM_ERROR_ID": event.number, "TANDEM_SEVERITY": severity.name.lower()}
         entry = CATALOGUE.get(event.number)
         if entry is not None and entry.remedy and "{" not in entry.remedy:  # the values stayed in the cycle
             fields["TANDEM_REMEDY"] = entry.remedy
+    elif event.kind is EventKind.MESSAGE:
+        fields["TANDEM_RECEIVER"] = RECEIVERS[event.number]
     elif event.number:
         fields["TANDEM_NUMBER"] = event.number
     if event.value:

@@ -11,19 +11,26 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from runtime.cnc.blocks import Block
-from runtime.cnc.decoder import Decoder, DecoderSetup, Program, load_program, located
+from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
+from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits
-from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState
+from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
+from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
+from runtime.scheduler.outside import RunningMachine
 
 BATCH = 256  # records between two looks at the link
+Source = Callable[[StartOrder, Outside], Iterator[Block]]
 
 
 class Preparation:
-    """`poll` acts on the waiting order and then moves one batch of blocks; it never blocks on the queue."""
+    """`poll` acts on the waiting order and then moves one batch of blocks; it never blocks on the queue.
+
+    `outside` is what the decoder sees of the machine. `source` takes the place of file and decoder: it makes the blocks of a
+    program that is started.
+    """
 
     def __init__(
         self,
@@ -31,18 +38,24 @@ class Preparation:
         channel: int,
         queue: MotionQueue,
         link: PreparationLink,
+        outside: RunningMachine,
         *,
         dialect: str = "isg",
         on_block: Callable[[Block], None] | None = None,
+        source: Source | None = None,
     ) -> None:
         axes = [machine.axes[machine.axis_index(name)] for name in machine.channels[channel].axes]
         self._names = machine.channels[channel].axes
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
-        self._software_limits = SoftwareLimits.of(machine, channel)
+        self._memory = ChannelMemory(self._setup)
+        self._machine, self._channel = machine, channel
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
         self._link = link
+        self._outside = outside
+        self._source = source or self._decoded
+        self._flushes = 0  # places of #FLUSH WAIT in the queue
         self._dialect = dialect
         self._on_block = on_block
         self._blocks: Iterator[Block] | None = None
@@ -51,26 +64,38 @@ class Preparation:
         self.decoder: Decoder | None = None  # of the last program, for its parameters
 
     def poll(self) -> PumpState:
-        """FULL: waits for the cycle. FINISHED: nothing to do. MORE: call again."""
+        """FULL, FLUSH: waits for the cycle. HELD: the decoder waits for the outside. FINISHED: nothing to do.
+
+        MORE: call again at once.
+        """
         order = self._link.waiting_order
         if order is not Order.NONE:
             self._blocks = None
+            self._outside.forget()
             if order is Order.START:
                 self._begin()
             else:
                 self._link.finish(PreparationState.IDLE)
             self._link.answer()
+        waits = self._outside.hand_over()
         if self._blocks is None or self._writer is None:
-            return PumpState.FINISHED
+            return PumpState.HELD if waits else PumpState.FINISHED
+        if waits or self._link.reached < self._flushes:
+            return PumpState.HELD if waits else PumpState.FLUSH
         try:
             state = self._writer.pump(self._blocks, BATCH)
         except TandemError as error:
             self._fail(error)
             return PumpState.FINISHED
-        if state is PumpState.FINISHED:
+        self._link.set_holds(state is PumpState.HELD)
+        if state is PumpState.FLUSH:
+            self._flushes += 1
+        elif state is PumpState.FINISHED:
             self._blocks = None
             if self._link.waiting_order is Order.NONE:
                 self._link.finish(PreparationState.FINISHED)
+            if self._outside.hand_over():
+                return PumpState.HELD
         return state
 
     def _begin(self) -> None:
@@ -78,23 +103,33 @@ class Preparation:
         if self._program is not None:
             self._program.close()
             self._program = None
+        self._flushes = 0
         try:
-            program = self._program = load_program(Path(order.program), self._setup, self._dialect)
+            source = self._source(order, self._outside)
         except TandemError as error:
             self._fail(error)
             return
+        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(source))
+        if self._on_block is not None:
+            blocks = itertools.chain.from_iterable(map(self._observed, blocks))
+        self._blocks = blocks
+        self._writer = QueueWriter(
+            self._queue, self._axis_limits, self._period, self._names, self._outside.error_texts.describe
+        )
+
+    def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:
+        """The blocks of the program file. Raises TandemError."""
+        program = self._program = load_program(Path(order.program), self._setup, self._dialect)
         self.decoder = Decoder(
             program,
             self._setup,
             start=order.start,
+            memory=self._memory,
+            outside=outside,
             skip_levels=lambda: order.skip_levels,
             interrupted=lambda: self._link.waiting_order is not Order.NONE,
         )
-        blocks = self._software_limits(self.decoder.blocks())
-        if self._on_block is not None:
-            blocks = itertools.chain.from_iterable(map(self._observed, blocks))
-        self._blocks = blocks
-        self._writer = QueueWriter(self._queue, self._axis_limits, self._period, self._names)
+        return self.decoder.blocks()
 
     def _observed(self, block: Block) -> tuple[Block]:
         if self._on_block is not None:

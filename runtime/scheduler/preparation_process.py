@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import time
+from datetime import datetime
 from pathlib import Path
 from types import FrameType
 
@@ -12,9 +13,11 @@ from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import PumpState
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config import load_machine
+from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
 from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 
 _IDLE = 0.002  # s between two looks at the link when there is nothing to do
@@ -41,7 +44,9 @@ def main() -> None:
     n_axes = len(machine.channels[arguments.channel].axes)
     queue = MotionQueue(n_axes, names.queue(arguments.name, arguments.channel), create=False)
     link = PreparationLink(n_axes, names.link(arguments.name, arguments.channel), create=False)
-    preparation = Preparation(machine, arguments.channel, queue, link, dialect=arguments.dialect)
+    memory = HliMemory.attach(arguments.name)
+    outside = RunningMachine(machine, memory.hli, link, now=datetime.now)
+    preparation = Preparation(machine, arguments.channel, queue, link, outside, dialect=arguments.dialect)
     link.announce()
     while not stopping:
         state = preparation.poll()
@@ -49,6 +54,7 @@ def main() -> None:
             time.sleep(_FULL if state is PumpState.FULL else _IDLE)
     queue.close()
     link.close()
+    memory.close()
 
 
 if __name__ == "__main__":

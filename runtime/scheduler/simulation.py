@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy.typing as npt
 
 from runtime.cnc.block_json import rows
 from runtime.cnc.blocks import Block
-from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.motion_queue import CAPACITY, MotionQueue
 from runtime.cnc.path_preparation import PumpState
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.machine import Machine
@@ -30,6 +31,7 @@ from runtime.hli.layout import Mode, State, StopCondition
 from runtime.hli.memory import HliMemory
 from runtime.scheduler.clock import VirtualClock
 from runtime.scheduler.controller import Controller
+from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
 from runtime.scheduler.preparation import BATCH, Preparation
@@ -40,7 +42,9 @@ START_LIMIT = 30.0  # s until the drives and the PLC must be ready
 STANDING_LIMIT = 120.0  # s without any event or motion: nobody will answer any more
 CONTINUE_AFTER = 1.0  # s that the simulated operator takes to press continue after M00
 _EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the virtual machine starts here
+_EPOCH = datetime(2001, 9, 9, 1, 46, 40)  # the same moment
 _BLOCK_EVENTS = (EventKind.BLOCK_START, EventKind.BLOCK_END)
+_ROOM = {PumpState.FULL: BATCH, PumpState.FINISHED: CAPACITY + 1}  # a queue never has so much room: nothing more comes
 _instances = itertools.count()
 
 
@@ -101,8 +105,15 @@ class Simulation:
         self.link = PreparationLink(len(channel.axes))
         self.writer = TraceWriter(trace) if trace else None
         self.samples = SampleRecorder(channel.axes) if trace or samples else None
+        self.outside = RunningMachine(machine, self.memory.hli, self.link, now=self._date)
         self.preparation = Preparation(
-            machine, 0, self.queue, self.link, dialect=dialect, on_block=self._trace_block if trace else None
+            machine,
+            0,
+            self.queue,
+            self.link,
+            self.outside,
+            dialect=dialect,
+            on_block=self._trace_block if trace else None,
         )
         self.plant = SimulatedPlant()
         self._leave_bus: list[Callable[[], None]] = []
@@ -177,6 +188,10 @@ class Simulation:
 
     # ------------------------------------------------------------------ time
 
+    def _date(self) -> datetime:
+        """The wall clock of the virtual machine."""
+        return _EPOCH + timedelta(microseconds=round(self.time * 1e6))
+
     def cycle(self) -> None:
         """One cycle of the machine, with all that the other processes do meanwhile."""
         self.before_cycle()
@@ -188,7 +203,7 @@ class Simulation:
         if self.queue.free >= self._room or not self.link.answered:
             while (state := self.preparation.poll()) is PumpState.MORE:
                 pass
-            self._room = BATCH if state is PumpState.FULL else self.queue.capacity + 1  # or nothing more comes
+            self._room = _ROOM.get(state, 0)
         self.clock.wait()
 
     def after_cycle(self) -> None:

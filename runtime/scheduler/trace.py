@@ -14,7 +14,7 @@ from typing import IO
 import numpy as np
 import numpy.typing as npt
 
-from runtime.diagnostics.events import Event
+from runtime.diagnostics.events import RECEIVERS, Event, EventKind
 
 _CHUNK = 4096
 Floats = npt.NDArray[np.float64]
@@ -86,6 +86,8 @@ def event_row(event: Event) -> dict[str, object]:
     }
     if event.axis >= 0:
         row["axis"] = event.axis
+    if event.kind is EventKind.MESSAGE:
+        row["receiver"] = RECEIVERS[event.number]
     if event.text:
         row["text"] = event.text
     return row

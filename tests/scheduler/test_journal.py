@@ -149,3 +149,13 @@ def test_the_journal_is_used_only_if_stderr_leads_there(tmp_path: Path, monkeypa
         assert isinstance(open_journal({"JOURNAL_STREAM": f"{status.st_dev}:1"}, stream), LineJournal)
         assert isinstance(open_journal({}, stream), LineJournal)
     assert isinstance(open_journal({"JOURNAL_STREAM": mine}, io.StringIO()), LineJournal)
+
+
+def test_messages_of_the_program_are_for_the_operator() -> None:
+    stream = io.StringIO()
+    event = Event(1.5, 1500, EventKind.MESSAGE, line=12, number=1, text="turn the part")
+    write_event(LineJournal(stream), event)
+    assert stream.getvalue() == "notice: turn the part\n"
+    stream = io.StringIO()
+    write_event(LineJournal(stream, verbose=True), event)
+    assert "receiver=HMI" in stream.getvalue()

@@ -14,12 +14,14 @@ from runtime.cnc.blocks import BlockEnd, Source, Stop
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.feed_word import INCH
 from runtime.cnc.decoder.flow import Flow
 from runtime.cnc.decoder.frames import Frame, Level, Modal
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
 from runtime.cnc.decoder.modal import FeedMode, Motion
-from runtime.cnc.decoder.motion import INCH, POSITION_LIMIT, dwell, move
+from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.technology import Functions, functions_of
+from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
 from runtime.cnc.language.isg.index import Unit
@@ -41,7 +43,11 @@ class WordBlocks:
     # ------------------------------------------------------------------ program start and end
 
     def begin_program(self) -> None:
-        """The configured program that every program start begins with (P-CHAN-00119)."""
+        """The configured G functions, then the program that every program start begins with (P-CHAN-00119)."""
+        for number in self._x.setup.start_g:
+            if number not in G_FUNCTIONS:
+                raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
+            G_FUNCTIONS[number].handler(self._x, GCall(number, 1))
         name = self._x.setup.start_program
         if name:
             unit, section = self._flow.program(self._x.frame, False, name, 1)
@@ -114,14 +120,15 @@ class WordBlocks:
         x.axes_taken = False
         x.incremental_words = {}
         x.end_feed = None
+        x.feed_change = None
+        x.feed_taken = x.override_off = x.radius_taken = x.moved_by_function = False
+        x.values = values
         calls = [self._g_call(slots, values) for slots in block.g]
         self._alone(block, calls)
         for declaration in block.declarations:
             declare(x, declaration, values)
         if x.setup.mixed_dimension:
             self._mixed_dimension(block)
-        if block.radius >= 0:
-            x.modal.radius = x.length(values[block.radius])
         if block.beside is not None:
             slots = block.beside
             before = slots.statement.syntax.name.startswith("SUPPRESS")
@@ -130,9 +137,13 @@ class WordBlocks:
         for call in calls:
             if not G_FUNCTIONS[call.number].last:
                 G_FUNCTIONS[call.number].handler(x, call)
+        if block.radius >= 0 and not x.radius_taken:
+            x.modal.radius = x.length(values[block.radius])
         self._feeds(block, values)
-        self._motion_and_functions(frame, entry, block, values, calls)
-        x.coordinates.suppressed = {}
+        try:
+            self._motion_and_functions(frame, entry, block, values, calls)
+        finally:
+            x.coordinates.resume()
 
     def _motion_and_functions(
         self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values, calls: list[GCall]
@@ -163,7 +174,7 @@ class WordBlocks:
             dwell(x, block, values)
             return True
         if x.axes_taken or not (block.axes or block.interpolation or x.additions):
-            return False
+            return x.moved_by_function
         corner = additions.corner_of(x, block)
         if additions.contour_line(x, block, corner) or additions.arc_by_angle(x, block, corner):
             return True
@@ -263,17 +274,7 @@ class WordBlocks:
 
     def _feeds(self, block: CompiledBlock, values: Values) -> None:
         x, modal = self._x, self._x.modal
-        if block.feed >= 0:
-            value = values[block.feed]
-            inch = modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION)
-            feed = value * (INCH if inch else 1.0)
-            if modal.feed_mode is FeedMode.PER_MINUTE:
-                feed *= x.setup.feed_factor
-            if not 0 <= feed < math.inf:
-                raise LineError(catalogue.FEED_INVALID, block.column(WordKind.FEED), value=value)
-            if modal.feed_mode is FeedMode.PERCENT and feed >= 100:
-                raise LineError(catalogue.FEED_PERCENT, block.column(WordKind.FEED), value=value)
-            modal.feed = feed
+        x.take_feed()
         if block.end_feed >= 0:
             value = values[block.end_feed]
             if modal.feed_mode is not FeedMode.PER_MINUTE:

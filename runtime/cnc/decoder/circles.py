@@ -11,23 +11,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from runtime.cnc.decoder.geometry_error import GeometryError
 from runtime.diagnostics.catalogue import language as catalogue
-from runtime.diagnostics.errors import ErrorEntry
 
 Point = tuple[float, float]
 
 RESOLUTION = 1e-4  # mm, the manual's 0.1 µm
 SAME_POINT = RESOLUTION / 2  # nearer than this, two points round to the same one
 RADIUS_LIMIT = 1e9  # mm
+FULL = 360.0  # degrees
 
 
-class CircleError(Exception):
+class CircleError(GeometryError):
     """The circle is not possible."""
-
-    def __init__(self, entry: ErrorEntry, **values: object) -> None:
-        super().__init__(entry.id)
-        self.entry = entry
-        self.values = values
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +49,7 @@ def by_centre(start: Point, end: Point, centre: Point, clockwise: bool, shift: f
         if distance > limit:
             raise CircleError(catalogue.CENTRE_DEVIATION, shift=distance, limit=limit)
         centre = moved
-    radius = math.dist(start, centre)
-    if radius <= SAME_POINT:
-        raise CircleError(catalogue.RADIUS_ZERO)
-    if radius > RADIUS_LIMIT:
-        raise CircleError(catalogue.RADIUS_RANGE, radius=radius, limit=RADIUS_LIMIT)
-    return Circle(centre, radius, _opening(start, end, centre, clockwise))
+    return Circle(centre, _radius(start, centre), _opening(start, end, centre, clockwise))
 
 
 def by_radius(start: Point, end: Point, radius: float, clockwise: bool) -> Circle:
@@ -91,6 +82,33 @@ def by_radius(start: Point, end: Point, radius: float, clockwise: bool) -> Circl
     return Circle(centre, size, -angle if clockwise else angle)
 
 
+def by_opening_angle(start: Point, centre: Point, opening: float, clockwise: bool) -> tuple[Circle, Point]:
+    """The arc around `centre` that opens by `opening` degrees (0 to 360), and its end (#CANG, lines 2420–2451)."""
+    if not 0.0 < opening <= FULL:
+        raise CircleError(catalogue.OPENING_ANGLE, angle=opening)
+    radius = _radius(start, centre)
+    angle = -opening if clockwise else opening
+    if opening == FULL:
+        return Circle(centre, radius, angle), start
+    cosine, sine = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    x, y = start[0] - centre[0], start[1] - centre[1]
+    return Circle(centre, radius, angle), (centre[0] + cosine * x - sine * y, centre[1] + sine * x + cosine * y)
+
+
+def by_kept_centre(start: Point, end: Point, centre: Point, clockwise: bool, difference: float, share: float) -> Circle:
+    """The arc around exactly `centre` (G164); `radius` is that of the start, the end may have another one.
+
+    Both radii may differ by `difference` mm (P-CHAN-00171) and, if `share` is not 0, by that share of the radius at
+    the start (P-CHAN-00172). One resolution step is always allowed, so that `difference` 0 asks for a true arc. Only a
+    start and end at the same point give a full circle.
+    """
+    radius, last = _radius(start, centre), _radius(end, centre)
+    limit = max(RESOLUTION, min(difference, share * radius) if share > 0.0 else difference)
+    if abs(last - radius) > limit:
+        raise CircleError(catalogue.RADIUS_DIFFERENCE, start=radius, end=last, limit=limit)
+    return Circle(centre, radius, _opening(start, end, centre, clockwise))
+
+
 def turns_with_pitch(angle: float, height: float, pitch: float) -> float:
     """Opening angle of a helix with a programmed pitch (lines 2480–2584), signed like `angle`.
 
@@ -107,6 +125,16 @@ def turns_with_pitch(angle: float, height: float, pitch: float) -> float:
     if surplus - whole > 0.5:
         whole += 1
     return math.copysign((plain + whole) * 360.0, angle)
+
+
+def _radius(point: Point, centre: Point) -> float:
+    """Distance of a point of the circle from its centre, if a circle can have it as its radius."""
+    radius = math.dist(point, centre)
+    if radius <= SAME_POINT:
+        raise CircleError(catalogue.RADIUS_ZERO)
+    if radius > RADIUS_LIMIT:
+        raise CircleError(catalogue.RADIUS_RANGE, radius=radius, limit=RADIUS_LIMIT)
+    return radius
 
 
 def _onto_bisector(start: Point, end: Point, centre: Point) -> Point:

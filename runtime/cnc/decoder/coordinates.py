@@ -9,7 +9,7 @@ is only taken up by the next absolute word. Lengths in mm and degrees, lists of 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -72,7 +72,7 @@ class Coordinates:
     shift: list[float] = field(default_factory=list)
     travelled: tuple[list[float], list[float]] = ([], [])
     last_rotation: Rotation | None = None
-    suppressed: Mapping[int, list[float]] = field(default_factory=dict)  # axis → shift of this block
+    full_shift: list[float] | None = None  # while a block leaves out offsets: the shift that holds again behind it
 
     @classmethod
     def at(cls, position: Floats) -> Coordinates:
@@ -103,6 +103,26 @@ class Coordinates:
             o.zero[i] + o.reference[i] * self.mirror_axis[i] + o.preset[i] + o.clamp[i] + o.tool[i] + o.measuring[i]
             for i in axes
         ]
+
+    def suppress(self, kinds: Sequence[str]) -> None:
+        """Leave out kinds of offsets until `resume`."""
+        o = self.offsets
+        of_kind = {
+            "ZERO": o.zero,
+            "ADD_ZERO": [value * self.mirror_axis[axis] for axis, value in enumerate(o.reference)],
+            "PSET": o.preset,
+            "CLAMP": o.clamp,
+            "TOOL": o.tool,
+            "MEASURE": o.measuring,
+        }
+        self.full_shift = self.shift
+        left = [of_kind[kind] for kind in kinds if kind in of_kind]
+        self.shift = [value - sum(part[axis] for part in left) for axis, value in enumerate(self.shift)]
+
+    def resume(self) -> None:
+        """All offsets hold again."""
+        if self.full_shift is not None:
+            self.shift, self.full_shift = self.full_shift, None
 
     def target(self, words: Mapping[int, float], incremental: Mapping[int, bool] | bool) -> list[float]:
         """Machine position after a move to the programmed words (axis → mm or degrees, inch already converted)."""

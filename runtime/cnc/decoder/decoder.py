@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator
 
 from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, Source
 from runtime.cnc.decoder.block import WordBlocks
-from runtime.cnc.decoder.circles import CircleError
-from runtime.cnc.decoder.corners_stage import with_corners
+from runtime.cnc.decoder.corners import Corners
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow, end_of_section
 from runtime.cnc.decoder.frames import Frame, Level
+from runtime.cnc.decoder.geometry_error import GeometryError
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
@@ -107,7 +107,9 @@ class Decoder:
 
         A `Hold` among them says that the program waits for the outside: go on asking later.
         """
-        return with_corners(self._blocks())
+        corners = Corners(self._x.setup.axes)
+        corners.warnings = self._x.warnings
+        return corners(self._blocks())
 
     def _blocks(self) -> Iterator[Block]:
         x = self._x
@@ -123,7 +125,7 @@ class Decoder:
                 self.executed += 1
                 self._idle += 1
                 if self.executed % HANDED_OVER == 0:
-                    if x.collected:
+                    if x.collected and entry not in unit.corner_blocks:
                         yield from self._handed_over()
                     if self.executed % POLL == 0:
                         if self._interrupted():
@@ -134,6 +136,10 @@ class Decoder:
                     raise ProgramError(catalogue.ENDLESS_LOOP, unit.place(unit.line(entry)), count=self._idle_limit)
                 frame.index = entry + 1
                 if unit.count(entry):
+                    if unit.corner_follows(entry, frame.section):  # the last motion has to stay at hand
+                        x.flush_run()
+                        x.out.extend(self._run(frame, unit, entry))
+                        continue
                     yield from self._handed_over()
                     for part in self._run(frame, unit, entry):
                         self._idle = 0
@@ -156,7 +162,7 @@ class Decoder:
                     yield Hold(x.source, reason)
                     if self._interrupted():
                         return
-                elif x.out:
+                elif x.out and not unit.corner_follows(entry, frame.section):
                     yield from self._handed_over()
         except ProgramError:
             yield from self._handed_over()
@@ -222,7 +228,7 @@ class Decoder:
             self._words.execute(frame, entry, block, values)
         except LineError as error:
             raise self._error(unit, error.column, block, error.entry, error.values) from None
-        except CircleError as error:
+        except GeometryError as error:
             given = {**error.values, "letters": ", ".join(PLANES[x.modal.plane][1])}
             raise self._error(unit, block.column(WordKind.AXIS), block, error.entry, given) from None
         except CalculationError as error:

@@ -6,6 +6,7 @@ it from block to block.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -16,10 +17,11 @@ from runtime.cnc.blocks import Block, Floats, Polyline, Source
 from runtime.cnc.decoder.coordinates import Coordinates
 from runtime.cnc.decoder.environment import DecoderEnvironment
 from runtime.cnc.decoder.external import ExternalVariables
+from runtime.cnc.decoder.feed_word import FeedChange, enter_feed
 from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
-from runtime.cnc.decoder.modal import FeedMode, ModalState
+from runtime.cnc.decoder.modal import PLANE_AXES, FeedMode, ModalState, Plane
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
@@ -98,6 +100,16 @@ class Execution:
         self.additions: dict[str, float] = {}  # #ANG … of the block in work
         self.incremental_words: dict[int, bool] = {}  # where G90 and G91 are mixed in the block
         self.end_feed: float | None = None  # E of the block in work, mm/min
+        self.feed_change: tuple[FeedChange, float] | None = None  # G193, G293: the feed to begin with, mm/min
+        self.feed_taken = False  # F of the block is entered
+        self.override_off = False  # G166 in the block in work
+        self.radius_taken = False  # R was the argument of a function
+        self.moved_by_function = False  # a G function has made the motion of the block
+        self.configured_limits = tuple(
+            (-math.inf if low is None else low, math.inf if high is None else high)
+            for low, high in setup.position_limits or ((None, None),) * len(setup.axes)
+        )
+        self.soft_limits = list(self.configured_limits)
         self.fast = True  # straight moves need nothing but gain, shift and feed: see modal_changed
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
@@ -110,7 +122,7 @@ class Execution:
         self._run_feeds: list[float] = []
         self._run_lines: list[int] = []
         self._run_numbers: list[int] = []
-        self._run_shape: tuple[list[float], list[float]] = ([], [])
+        self._run_shape: tuple[list[float], list[float], Plane] = ([], [], Plane.XY)
         self._run_program = ""
         self.vocabulary = vocabulary(setup)
         self.external = ExternalVariables(setup.external, outside, self)
@@ -130,9 +142,13 @@ class Execution:
         coordinates = self.coordinates
         if not self._run_feeds:
             self._run = [coordinates.position]
-            self._run_shape = (coordinates.gain, coordinates.shift)
+            self._run_shape = (coordinates.gain, coordinates.shift, self.modal.plane)
             self._run_program = self.source.program
-        elif self._run_shape[1] is not coordinates.shift or self._run_program is not self.source.program:
+        elif (
+            self._run_shape[1] is not coordinates.shift
+            or self._run_shape[2] is not self.modal.plane
+            or self._run_program is not self.source.program
+        ):
             self.flush_run()
             self.straight(end, feed, line, number)
             return
@@ -153,7 +169,7 @@ class Execution:
         """Hand over what was collected."""
         if not self._run_feeds:
             return
-        gain, shift = self._run_shape
+        gain, shift, plane = self._run_shape
         self.out.append(
             Polyline(
                 self._run_program,
@@ -163,6 +179,7 @@ class Execution:
                 np.array(self._run_numbers, dtype=np.int64),
                 np.array(shift),
                 None if all(g == 1.0 for g in gain) else np.array(gain),
+                PLANE_AXES[plane],
             )
         )
         self._run, self._run_feeds, self._run_lines, self._run_numbers = [], [], [], []
@@ -247,6 +264,14 @@ class Execution:
     def shown_length(self, value: float) -> float:
         """A length as the program sees it."""
         return value / 25.4 if self.modal.inch else value
+
+    def take_feed(self) -> None:
+        """Enter the F word of the block in work now; it is not entered a second time."""
+        block = self.block
+        assert block is not None
+        if block.feed >= 0 and not self.feed_taken:
+            self.feed_taken = True
+            enter_feed(self, block, self.values[block.feed])
 
     def arguments(self, number: int, column: int) -> dict[int, float]:
         """The axis words of the block as arguments of a G function, in mm or degrees; at least one."""

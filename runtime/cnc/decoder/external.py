@@ -10,7 +10,7 @@ import itertools
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from runtime.cnc.blocks import ExternalWrite
 from runtime.cnc.decoder.outside import Outside
@@ -20,6 +20,7 @@ from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.hli.external import ExternalEntry
 
 if TYPE_CHECKING:
     from runtime.cnc.decoder.execution import Execution
@@ -34,31 +35,6 @@ FORMATS = {
     "UNS32": "<I",
     "REAL64": "<d",
 }
-
-
-class ExternalEntry(Protocol):
-    """One elementary variable of the layout.
-
-    `path` as written with [] for an index ("V.E.TABLE[].POS"), `offset` of the element with all indices 0, `strides` in bytes and
-    `dims` per index, `kind` the type name, `size` of one element in bytes, `access` "r", "w" or "rw".
-    """
-
-    @property
-    def path(self) -> str: ...
-    @property
-    def offset(self) -> int: ...
-    @property
-    def dims(self) -> tuple[int, ...]: ...
-    @property
-    def strides(self) -> tuple[int, ...]: ...
-    @property
-    def kind(self) -> str: ...
-    @property
-    def size(self) -> int: ...
-    @property
-    def access(self) -> str: ...
-    @property
-    def synchronous(self) -> bool: ...
 
 
 @dataclass(slots=True)
@@ -136,11 +112,16 @@ def put(area: memoryview, offset: int, kind: str, size: int, value: float | str)
         struct.pack_into(FORMATS[kind], area, offset, round_half_up(value))
 
 
+def _full(path: str) -> str:
+    """The path as programs write it."""
+    return path if path.startswith("V.E.") else f"V.E.{path}"
+
+
 class ExternalVariables:
     """The external variables that are configured, by their paths."""
 
     def __init__(self, entries: Iterable[ExternalEntry], outside: Outside, execution: Execution) -> None:
-        self._items = {entry.path: ExternalItem(entry, outside, execution) for entry in entries}
+        self._items = {_full(entry.path): ExternalItem(entry, outside, execution) for entry in entries}
 
     def item(self, path: str, column: int) -> ExternalItem:
         """The variable of a path; LineError if it is not configured or names a structure."""
@@ -169,7 +150,7 @@ class ExternalVariables:
             if not items:
                 return -1.0
             own = 0
-            rest = items[0].entry.path[len(prefix) :]
+            rest = _full(items[0].entry.path)[len(prefix) :]
             while rest.startswith("[]"):
                 own, rest = own + 1, rest[2:]
             if not 0.5 <= dimension < own + 0.5:

@@ -19,8 +19,9 @@ _DRIVE = re.compile(r"[A-Za-z]:")
 
 
 def report_folder(x: Execution) -> Path:
-    """Where report files go: the configured folder, else that of the main program."""
-    return x.setup.report_folder or x.library.folders[0]
+    """Where report files go: the first folder configured for messages, else that of the main program."""
+    paths = x.setup.message_paths
+    return x.library.folders[0] / paths[0] if paths else x.library.folders[0]
 
 
 def report_name(x: Execution) -> str:

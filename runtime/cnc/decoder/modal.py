@@ -23,6 +23,10 @@ class Plane(IntEnum):
     YZ = 19
 
 
+# The axes of a plane, first and second by the right-hand rule: indices of main axes.
+PLANE_AXES = {Plane.XY: (0, 1), Plane.ZX: (2, 0), Plane.YZ: (1, 2)}
+
+
 class FeedMode(IntEnum):
     """What F means, by its G function."""
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from runtime.cnc.blocks import Arc, Corner, Dwell, Line
 from runtime.cnc.decoder import circles
+from runtime.cnc.decoder.arcs import radius_transition
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, require_feed
-from runtime.cnc.decoder.modal import Motion, Plane
+from runtime.cnc.decoder.feed_change import changing_arc, changing_line
+from runtime.cnc.decoder.modal import PLANE_AXES, Motion, Plane
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.words import WordKind
@@ -21,9 +23,9 @@ INCH = 25.4  # mm
 
 # The axes of a plane (indices of main axes) and the letters of its centre and of the pitch (lines 2216–2230, 2480).
 PLANES = {
-    Plane.XY: ((0, 1), "IJ", "K"),
-    Plane.ZX: ((2, 0), "KI", "J"),
-    Plane.YZ: ((1, 2), "JK", "I"),
+    Plane.XY: (PLANE_AXES[Plane.XY], "IJ", "K"),
+    Plane.ZX: (PLANE_AXES[Plane.ZX], "KI", "J"),
+    Plane.YZ: (PLANE_AXES[Plane.YZ], "JK", "I"),
 }
 
 
@@ -80,8 +82,24 @@ def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corne
         require_feed(x, block)
         feed = feed_of(x, block, start, end, None)
     programmed = programmed_at(x, end)
-    plane = PLANES[x.modal.plane][0]
-    x.emit(Line(x.source, np.array(start), np.array(end), feed, rapid, np.array(programmed), plane, corner, x.end_feed))
+    line = Line(
+        x.source,
+        np.array(start),
+        np.array(end),
+        feed,
+        rapid,
+        np.array(programmed),
+        PLANE_AXES[x.modal.plane],
+        corner,
+        x.end_feed,
+        x.override_off,
+    )
+    if x.feed_change is None or rapid:
+        x.emit(line)
+        return
+    if corner is not None:
+        raise LineError(catalogue.FEED_CHANGE_CORNER, block.column(WordKind.G))
+    x.emit(changing_line(line, *x.feed_change))
 
 
 def programmed_at(x: Execution, end: list[float]) -> list[float]:
@@ -149,8 +167,11 @@ def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | 
             raise LineError(catalogue.CENTRE_AND_RADIUS, block.column(WordKind.RADIUS))
         modal.radius = None  # a centre ends the radius (line 2374)
         centre = centre_point(x, plane, letters)
-        bounds = (x.setup.centre_shift, x.setup.centre_shift_share) if modal.centre_correction else (0.0, 0.0)
-        circle = circles.by_centre(begin, goal, centre, sense, *bounds)
+        if modal.centre_correction:
+            circle = circles.by_centre(begin, goal, centre, sense, x.setup.centre_shift, x.setup.centre_shift_share)
+        else:
+            bounds = (x.setup.radius_change, x.setup.radius_change_share)
+            circle = circles.by_kept_centre(begin, goal, centre, sense, *bounds)
         note_circle(x, plane, circle, centre)
     elif modal.radius is not None:
         scale = _scale(x, plane[0])  # by the factor of the first axis (line 17367)
@@ -183,22 +204,27 @@ def emit_arc(
     """An arc to a machine position; the position is not moved along."""
     start = x.coordinates.position
     feed = feed_of(x, block, start, end, (plane, circle))
-    programmed = programmed_at(x, end)
-    x.emit(
-        Arc(
-            x.source,
-            np.array(start),
-            np.array(end),
-            feed,
-            np.array(programmed),
-            plane,
-            np.array(circle.centre),
-            circle.radius,
-            circle.angle,
-            corner,
-            x.end_feed,
-        )
+    arc = Arc(
+        x.source,
+        np.array(start),
+        np.array(end),
+        feed,
+        np.array(programmed_at(x, end)),
+        plane,
+        np.array(circle.centre),
+        circle.radius,
+        circle.angle,
+        corner,
+        x.end_feed,
+        x.override_off,
     )
+    arcs = [arc] if x.modal.centre_correction else radius_transition(arc)
+    for piece in arcs:
+        if x.feed_change is None:
+            x.emit(piece)
+        else:
+            for part in changing_arc(piece, *x.feed_change):
+                x.emit(part)
 
 
 def note_circle(x: Execution, plane: tuple[int, int], circle: circles.Circle, programmed: circles.Point) -> None:

@@ -9,14 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
-from runtime.cnc.decoder.external import ExternalEntry
 from runtime.cnc.language.addresses import Addresses
+from runtime.config.channel.parameters import PathKind
+from runtime.config.external import ExternalLayout
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
+from runtime.hli.external import ExternalEntry, directory_of
 
 ZERO_OFFSETS = range(53, 60)
 CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
+CYCLE_MEMORY = 8000  # bytes for V.CYC without P-CHAN-00418 (line 1313)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
 
 _FLAGS = int(Synch.PLC_INFO)
@@ -106,7 +109,9 @@ class Limits:
     macros: int = 1000
     macro_name: int = 30
     macro_content: int = 200
-    cycle_memory: int = 8000  # bytes of V.CYC variables; P-CHAN-00418 adds to them
+    cycle_memory: int = CYCLE_MEMORY  # bytes for V.CYC, with what P-CHAN-00418 adds
+    names: int = 1000  # string labels that are kept
+    numbers: int = 1000  # expression labels that are kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,12 +131,17 @@ class DecoderSetup:
     h_synch: Mapping[int, Synch] = field(default_factory=dict)
     tool_synch: Synch = Synch.NO_SYNCH
     program_paths: tuple[Path, ...] = ()
+    message_paths: tuple[Path, ...] = ()  # where #MSG SAVE writes, the first one counts
+    start_g: tuple[int, ...] = ()  # G functions that hold from program start on (prog_start.g_gruppe)
     feed: float = 0.0
     centre_shift: float = CENTRE_SHIFT
     centre_shift_share: float = CENTRE_SHIFT_SHARE
     macros: Mapping[str, str] = field(default_factory=dict)  # makro_def[]
     feed_factor: float = 1.0  # F to mm/min, from P-CHAN-00108
     mixed_dimension: bool = False  # P-CHAN-00116
+    clamp_limits: bool = False  # P-CHAN-00498: G98 and G99 may only narrow the configured limits
+    radius_change: float = 0.0  # mm, P-CHAN-00171: greatest difference of radii of an arc with G164, 0 is none
+    radius_change_share: float = 0.0  # of the radius, P-CHAN-00172
     create_transfer: bool = True  # P-CHAN-00463
     keep_cycle_changes: bool = False  # P-CHAN-00210
     keep_parameters: bool = False  # P-CHAN-00067
@@ -143,7 +153,6 @@ class DecoderSetup:
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
     external: tuple[ExternalEntry, ...] = ()
-    report_folder: Path | None = None  # of #MSG SAVE and work folder of #FILE; None: the folder of the program
     channel_number: int = 1  # V.G.CNC_CHANNEL
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
@@ -186,8 +195,36 @@ class DecoderSetup:
             m_synch=_table(parameters.m_synch, "m_synch"),
             h_synch=_table(parameters.h_synch, "h_synch"),
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
-            program_paths=tuple(Path(folder) for folder in described.program_paths),
+            program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),
+            message_paths=tuple(Path(folder) for folder in described.folders(PathKind.MESSAGES)),
             feed=parameters.prog_start.feedrate,
+            feed_factor=parameters.prog_start.feed_unit,
+            start_g=tuple(parameters.prog_start.g_functions.values()),
+            centre_shift=parameters.centre_shift,
+            centre_shift_share=parameters.centre_shift_share,
+            radius_change=parameters.radius_difference,
+            radius_change_share=parameters.radius_difference_share,
+            macros=parameters.macros,
+            mixed_dimension=bool(parameters.multi_dimension_in_block),
+            clamp_limits=bool(parameters.range_check_prog_soft_limits),
+            create_transfer=bool(parameters.create_cycle_param_on_read),
+            keep_cycle_changes=bool(parameters.cycle_changes_modal),
+            keep_parameters=bool(parameters.p_param_haltend),
+            tool_change_program=parameters.m6_prog_file,
+            tool_data_program=parameters.d_prog_file,
+            start_program=parameters.start_init_prog_file,
+            final_program=parameters.final_prog_file,
+            g_programs=parameters.g_prog_files,
+            external=tuple(directory_of(ExternalLayout.of(machine).elements)),
+            limits=Limits(
+                parameters=parameters.configuration.decoder.p_param_number,
+                macros=parameters.configuration.decoder.macro_number,
+                macro_name=parameters.configuration.decoder.macro_symbol_len,
+                macro_content=parameters.configuration.decoder.macro_nc_code_len,
+                cycle_memory=CYCLE_MEMORY + parameters.configuration.decoder.var_memory,
+                names=parameters.configuration.decoder.string_label_number,
+                numbers=parameters.configuration.decoder.expression_label_number,
+            ),
         )
 
     @property

@@ -153,6 +153,11 @@ class Interpolator:
         """
         return self._passed[: self._i[c.PASSED_COUNT]].tolist()  # type: ignore[no-any-return]
 
+    @property
+    def all_told(self) -> bool:
+        """Everything that the path has passed was told in `passed`."""
+        return bool(self._i[c.REPORTED] >= self._i[c.CUR])
+
     # ------------------------------------------------------------------ gates
 
     @property

@@ -10,7 +10,7 @@ The writer never waits and reads no clock: when the queue is full it says so and
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from enum import Enum
 
 import numpy as np
@@ -21,21 +21,31 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     Dwell,
+    ExternalWrite,
+    Flush,
+    FlushKind,
+    Hold,
     Line,
+    Message,
     Polyline,
+    Receiver,
     Source,
     Stop,
     StopKind,
     Synch,
     TechnologyFunction,
+    TimerAction,
+    TimerCommand,
+    UserError,
     Wait,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.motion_queue import RECORD, GateReason, MotionQueue, RecordKind, Records
+from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.dynamics import Border, Dynamics, arc_dynamics, line_dynamics
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
 from runtime.diagnostics.errors import Place
+from runtime.hli.external import KINDS
 
 Floats = npt.NDArray[np.float64]
 
@@ -50,12 +60,28 @@ _STOPS = {
 }
 
 
+_RECEIVERS = tuple(Receiver)
+_TIMER_COMMANDS = tuple(TimerCommand)
+
+
 class PumpState(Enum):
     """Why `QueueWriter.pump` came back."""
 
     FULL = "the queue is full"
     MORE = "the budget is used up"
     FINISHED = "the blocks have come to their end"
+    FLUSH = "the path has to come to a #FLUSH WAIT first"
+    HELD = "the decoder waits for something outside"
+
+
+def described(error: UserError) -> str:
+    """The text of a #ERROR where no texts are known."""
+    return f"user error {error.number}"
+
+
+def _with_text(block: Block) -> bool:
+    """The block needs a place for a text."""
+    return isinstance(block, Message | UserError) or (isinstance(block, ExternalWrite) and isinstance(block.value, str))
 
 
 def path_length(way: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
@@ -71,12 +97,20 @@ def path_length(way: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
 class QueueWriter:
     """Writes the blocks of one program run to `queue`; make a new one for each run.
 
-    `names` of the axes are for error messages. Raises PathError for blocks that can't be driven; nothing of such a
-    block reaches the queue.
+    `names` of the axes are for error messages, `error_text` makes the text of a #ERROR. Raises PathError for blocks that
+    can't be driven; nothing of such a block reaches the queue.
     """
 
-    def __init__(self, queue: MotionQueue, limits: AxisLimits, period: float, names: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        queue: MotionQueue,
+        limits: AxisLimits,
+        period: float,
+        names: tuple[str, ...] = (),
+        error_text: Callable[[UserError], str] = described,
+    ) -> None:
         self.queue = queue
+        self._error_text = error_text
         self._limits = limits
         self._period = period
         self._names = names or tuple(str(i) for i in range(limits.n))
@@ -85,28 +119,40 @@ class QueueWriter:
         self._block_end: Floats | None = None  # end of the last block, moves without length included
         self._pending: Records = np.zeros(0, dtype=RECORD)
         self._done = 0
+        self._postponed: Block | None = None  # waits for room for its text
+        self._flushing = False
+        self._plc_messages = 0
 
     def pump(self, blocks: Iterator[Block], budget: int = 1000) -> PumpState:
-        """Write blocks until the queue is full, `budget` records are written, or there are no more blocks."""
+        """Write blocks until the queue is full, `budget` records are written, or there are no more blocks.
+
+        After FLUSH the next call goes on: the caller makes it when the path has come there. After HELD too, some time later.
+        """
         while True:
             if self._done < len(self._pending):
                 budget -= self._flush(budget)
                 if self._done < len(self._pending):
                     return PumpState.FULL if self.queue.free == 0 else PumpState.MORE
+            if self._flushing:
+                self._flushing = False
+                return PumpState.FLUSH
             if budget <= 0:
                 return PumpState.MORE
             if self.queue.free == 0:
                 return PumpState.FULL
-            block = next(blocks, None)
+            block = self._postponed or next(blocks, None)
             if block is None:
                 return PumpState.FINISHED
+            if isinstance(block, Hold):
+                return PumpState.HELD
             budget -= 1
-            self._take(block)
+            if not self._take(block):
+                return PumpState.FULL
 
     def write(self, block: Block) -> bool:
         """Write one block; False if not all of it fitted: call again with the same block until True."""
-        if self._done >= len(self._pending):
-            self._take(block)
+        if self._done >= len(self._pending) and not self._take(block):
+            return False
         self._flush(len(self._pending))
         return self._done >= len(self._pending)
 
@@ -115,8 +161,14 @@ class QueueWriter:
         self._done += count
         return count
 
-    def _take(self, block: Block) -> None:
+    def _take(self, block: Block) -> bool:
+        """Make the records of a block; FALSE if there is no room for its text."""
+        no_room = self.queue.texts.free == 0 and _with_text(block)
+        self._postponed = block if no_room else None
+        if self._postponed is not None:
+            return False
         self._pending, self._done = self._records(block), 0
+        return True
 
     # ------------------------------------------------------------------ block → records
 
@@ -128,6 +180,7 @@ class QueueWriter:
         record["line"] = source.line
         record["n"] = -1 if source.n is None else source.n
         record["program"] = self.queue.program_id(source.program)
+        record["text"] = -1
         match block:
             case Line():
                 feed = math.inf if block.rapid else block.feed
@@ -149,14 +202,58 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
             case BlockEnd():
                 record["kind"] = RecordKind.BLOCK_END
+            case Flush():
+                return self._flush_records(record, block.kind)
+            case Message():
+                return self._message(record, block)
+            case TimerAction():
+                record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
+                record["value"] = _TIMER_COMMANDS.index(block.command)
+            case ExternalWrite():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.EXTERNAL
+                record["number"], record["offset"], record["size"] = KINDS.index(block.kind), block.offset, block.size
+                if isinstance(block.value, str):
+                    record["text"] = self.queue.texts.put(block.value)
+                else:
+                    record["value"] = block.value
+            case UserError():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.WARNING
+                record["number"], record["value"] = block.number, block.remedy_class
+                record["text"] = self.queue.texts.put(self._error_text(block))
+                if block.remedy_class != 0:
+                    record["kind"], record["reason"] = RecordKind.GATE, GateReason.USER_ERROR
         return record
+
+    def _flush_records(self, record: Records, kind: FlushKind) -> Records:
+        """Everything before it is in the queue already: only the stop is left to be written."""
+        if kind is FlushKind.CONTINUE:
+            return record[:0]
+        record["kind"] = RecordKind.GATE
+        record["reason"] = GateReason.FLUSH_WAIT if kind is FlushKind.WAIT else GateReason.FLUSH
+        self._flushing = kind is FlushKind.WAIT
+        return record
+
+    def _message(self, record: Records, block: Message) -> Records:
+        """The message, and the gate behind it that opens when its receiver does not lag behind."""
+        plc = block.receiver is Receiver.PLC
+        record["kind"], record["action"] = RecordKind.ACTION, ActionKind.MESSAGE
+        record["number"], record["value"] = plc, block.information
+        record["size"] = _RECEIVERS.index(block.receiver)
+        record["text"] = self.queue.texts.put(block.text)
+        if not plc and not block.acknowledge:
+            return record
+        self._plc_messages += plc
+        gate = record.copy()
+        gate["kind"], gate["reason"], gate["text"] = RecordKind.GATE, GateReason.MESSAGE, -1
+        gate["number"], gate["value"] = self._plc_messages, block.acknowledge
+        return np.concatenate([record, gate])
 
     def _polyline(self, block: Polyline) -> Records:
         records = np.zeros(len(block.feeds), dtype=RECORD)
         records["line"] = block.lines
         records["n"] = block.numbers
         records["program"] = self.queue.program_id(block.program)
-        records["block_end"] = 1
+        records["block_end"] = 0 if block.one_block else 1
         return self._lines(records, block.points, block.feeds, block.program, keep_empty=True)
 
     def _lines(self, records: Records, points: Floats, feeds: Floats, program: str, *, keep_empty: bool) -> Records:
@@ -241,7 +338,7 @@ class QueueWriter:
             arc.end[None, :],
             np.array([length]),
             np.array([arc.feed / 60.0]),
-            np.array([False]),
+            np.array([math.isinf(arc.feed)]),
             dynamics,
         )
         self._before, self._place = after, arc.end

@@ -12,12 +12,13 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Arc, Block, Line, Polyline
+from runtime.cnc.blocks import Arc, Block, Line, Polyline, SoftwareLimitChange
 from runtime.cnc.geometry.elements import cosine_range
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue.motion import SOFTWARE_LIMIT
 from runtime.diagnostics.errors import Place
+from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
 
@@ -37,6 +38,19 @@ def _reach(arc: Arc) -> tuple[Floats, Floats]:
         low[axis] = min(low[axis], centre + radius * least)
         high[axis] = max(high[axis], centre + radius * greatest)
     return low, high
+
+
+@kernel
+def first_beyond(points: Floats, low: Floats, high: Floats) -> int:
+    """How many moves of a run `points` (k + 1, n) end within `low` and `high` (n,) before one does not; k if all do."""
+    moves: int = points.shape[0] - 1
+    axes = points.shape[1]
+    for move in range(moves):
+        for axis in range(axes):
+            target = points[move + 1, axis]
+            if target < low[axis] or target > high[axis]:
+                return move
+    return moves
 
 
 def _first_moves(run: Polyline, count: int) -> Polyline:
@@ -76,16 +90,19 @@ class SoftwareLimits:
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         for block in blocks:
-            if isinstance(block, Polyline) and 0 < (count := self._within(block)) < len(block.feeds):
-                yield _first_moves(block, count)  # they are blocks of their own, which are right
-            self.check(block)
+            if isinstance(block, SoftwareLimitChange):
+                self._low = np.array([low for low, _ in block.limits]) - ROUNDING
+                self._high = np.array([high for _, high in block.limits]) + ROUNDING
+                continue
+            if isinstance(block, Polyline):
+                count = first_beyond(block.points, self._low, self._high)
+                if count < len(block.feeds):
+                    if count:
+                        yield _first_moves(block, count)  # they are blocks of their own, which are right
+                    self._refuse_move(block, count)
+            else:
+                self.check(block)
             yield block
-
-    def _within(self, block: Polyline) -> int:
-        """How many moves of a run stay within the limits before one does not."""
-        targets = block.points[1:]
-        beyond = ((targets < self._low) | (targets > self._high)).any(axis=1)
-        return int(np.argmax(beyond)) if beyond.any() else len(targets)
 
     def check(self, block: Block) -> None:
         """Raise SoftwareLimitError if `block` leaves the range of an axis."""
@@ -104,9 +121,12 @@ class SoftwareLimits:
                         block.source.line,
                     )
         elif isinstance(block, Polyline):
-            first = self._within(block)
-            if first < len(block.feeds):
-                self._refuse(block.points[first + 1], "the target", block.program, int(block.lines[first]))
+            count = first_beyond(block.points, self._low, self._high)
+            if count < len(block.feeds):
+                self._refuse_move(block, count)
+
+    def _refuse_move(self, run: Polyline, move: int) -> None:
+        self._refuse(run.points[move + 1], "the target", run.program, int(run.lines[move]))
 
     def _refuse(self, position: Floats, what: str, program: str, line: int) -> None:
         below = position < self._low
@@ -121,3 +141,8 @@ class SoftwareLimits:
             limit=limit,
             limit_name="position_min" if below[axis] else "position_max",
         )
+
+
+@warms("software limits")
+def _warm() -> None:
+    first_beyond(np.zeros((2, 3)), np.zeros(3), np.zeros(3))

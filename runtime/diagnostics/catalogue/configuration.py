@@ -1,6 +1,6 @@
 """Errors of the machine description and channel lists."""
 
-from runtime.diagnostics.errors import ErrorEntry
+from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
 
 FILE_NOT_READABLE = ErrorEntry(
     302001,
@@ -111,4 +111,121 @@ UNSUITABLE = ErrorEntry(
     302022,
     "{key}: {reason}",
     remedy="config/machine.yaml of the distribution shows every key with its type and unit.",
+)
+PARAMETER_UNKNOWN = ErrorEntry(
+    302023,
+    "{key!r} is no parameter of {owner}{suggestion}",
+    remedy="Channel parameters have the names of the manual, in exactly its letters.",
+)
+PARAMETER_UNSUPPORTED = ErrorEntry(
+    302024,
+    "{key} ({id}, {meaning}) is not supported yet; {possible}",
+    remedy="Take the line out, and make sure that the machine can do without it.",
+)
+PARAMETER_WITHOUT_EFFECT = ErrorEntry(
+    302025,
+    "{key} ({id}, {meaning}) has no effect yet",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="Motion and technology functions don't depend on it; nothing has to be done.",
+)
+PARAMETER_TWICE = ErrorEntry(
+    302026,
+    "{key} is given twice; it stands in {first} already",
+    remedy="Keep one of them: a channel parameter stands in the description or in the list, once.",
+)
+PARAMETER_GROUP = ErrorEntry(
+    302027,
+    "{key} is a group of parameters, not a parameter",
+    remedy="Name the parameter with all of its indices and its last name.",
+)
+LIST_KEY = ErrorEntry(
+    302028,
+    "{key!r} has not the form of a parameter's name",
+    remedy="A line is a name like spindel[0].bezeichnung, blanks, and a value; comments begin with #.",
+)
+LIST_NOT_READABLE = ErrorEntry(
+    302029,
+    "The list of channel parameters cannot be read: {reason}",
+    remedy="Give an existing text file with parameter_list; its name counts from the folder of the description.",
+)
+LIST_VALUE_MISSING = ErrorEntry(
+    302030,
+    "{key} has no value",
+    remedy='Write the value behind the name in the same line; an empty text is "".',
+)
+LIST_BAR_MISSING = ErrorEntry(
+    302031,
+    "{value!r} is followed by {word!r} without a | between them",
+    remedy="Join them with |, or begin the remark with #.",
+)
+SYNCHRONISATION_UNSUPPORTED = ErrorEntry(
+    302032,
+    "{key}: the synchronisation type {type} is not supported yet",
+    remedy="Possible: {possible}.",
+    source="P-CHAN-00041",
+)
+INDEX_GAP = ErrorEntry(
+    302033,
+    "{group}[{index}] is given, {group}[{missing}] is not",
+    remedy="Number the entries from 0 without gaps.",
+)
+PARAMETER_CONTRADICTS = ErrorEntry(
+    302034,
+    "{key} is {given}, but {what} is {other}",
+    remedy="Correct one of them, or take the line out.",
+)
+PARAMETER_NOT_UNIQUE = ErrorEntry(
+    302035,
+    "{what} is {value!r} like that of {first}",
+    remedy="Give every entry one of its own.",
+)
+PATH_PRIORITY_TWICE = ErrorEntry(
+    302036,
+    "path[{index}] has priority {priority} like path[{other}], and both are of type {type}",
+    remedy="Give every folder of a type a priority of its own; 0 is searched first.",
+    source="P-CHAN-00404",
+)
+PATHS_TWICE = ErrorEntry(
+    302037,
+    "Channel {channel} has program_paths and path[] parameters",
+    remedy="Keep one of them; path[] tells main programs, subroutines and files apart.",
+)
+FEED_UNIT = ErrorEntry(
+    302038,
+    "prog_start.feedrate_factor: there is no feed unit {given}; F is taken in mm/min",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="100 stands for mm/min, 0.1 for m/min.",
+    source="P-CHAN-00108",
+)
+EXTERNAL_NAME = ErrorEntry(
+    302040,
+    "{key}: {given!r} is no name of an external variable, structure or member",
+    remedy="A name is a letter or underscore, then letters, digits and underscores, 64 characters at most.",
+)
+EXTERNAL_TWICE = ErrorEntry(
+    302041,
+    "{what} {name!r} is described twice",
+    remedy="Give every variable and structure, and every member of a structure, a name of its own.",
+)
+EXTERNAL_TYPE = ErrorEntry(
+    302042,
+    "{key}: {given!r} is no type{suggestion}",
+    remedy="Types: {known}.",
+)
+EXTERNAL_RECURSION = ErrorEntry(
+    302043,
+    "Structure {name!r} contains itself",
+    remedy="Take one of these out: {way}.",
+)
+EXTERNAL_TOO_LARGE = ErrorEntry(
+    302044,
+    "The external variables need {size} bytes with {name!r}; there are {area}",
+    remedy="Make arrays or texts shorter.",
+)
+ERROR_TEXTS = ErrorEntry(
+    302090,
+    "The error texts in {file} cannot be used: {reason}",
+    remedy="A line is a number from 1 to 1000, a space, and its text; lines that begin with ; are comments.",
 )

@@ -560,3 +560,201 @@ OVERWRITE_MODE = ErrorEntry(300227, "OVRMODE is 0 or 1, not {value:.9g}", reacti
 BACKUP_COUNT = ErrorEntry(
     300228, "{key} is {value:.9g}: a whole number from 0 on is needed", reaction=Reaction.STOP_AT_BLOCK_END
 )
+
+# -- corners and contour lines -------------------------------------------------------------------------------------
+
+CORNER_SIZE = ErrorEntry(
+    300400,
+    "size {size:.6g} of the {what} must be above 0",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 5305",
+)
+CORNER_TOO_LARGE = ErrorEntry(
+    300401,
+    "{what} of {size:.6g} mm does not fit between this motion and the one in line {next_line}: at most {largest:.6g} mm",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="make it smaller, or the shorter of both motions longer",
+    source="programming manual line 5482",
+)
+CORNER_OPEN = ErrorEntry(
+    300402,
+    "no motion follows the {what} before the end of the program",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="a chamfer or rounding stands between two motions: program the second one, or leave it out",
+    source="programming manual line 5301",
+)
+CORNER_DIRECTION = ErrorEntry(
+    300403,
+    "{what}: the motion in line {line} has no way in the plane of axes {plane}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="both motions beside it must move in the plane of the second one, and more than earlier chamfers and "
+    "roundings take away",
+)
+CORNER_REVERSAL = ErrorEntry(
+    300404,
+    "{what}: the motion in line {next_line} goes back the way this one came",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="there is no corner to work on: leave the {what} out, or check the targets",
+)
+CORNER_NEIGHBOUR = ErrorEntry(
+    300405,
+    "{what}: {reason}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="it can stand between lines, and arcs of the plane of the second motion",
+    source="programming manual lines 5301, 5367",
+)
+CORNER_WAIT = ErrorEntry(
+    300406,
+    "the program waits for the path (line {wait_line}) before the motion behind the {what} is known",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="move #FLUSH WAIT, or what reads current values, out of the corner",
+)
+CORNER_TANGENTIAL = ErrorEntry(
+    300407,
+    "nothing is inserted for the {what}: the motion in line {next_line} goes on in the same direction",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="programming manual line 5525",
+)
+CONTOUR_LINE_UNREACHABLE = ErrorEntry(
+    300410,
+    "{target} cannot be reached from the start point under {angle:.6g} degrees",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the angle counts from the first axis of the plane to the second; the target lies ahead in this direction",
+    source="programming manual line 2776",
+)
+CONTOUR_LINE_PARALLEL = ErrorEntry(
+    300411,
+    "contour lines under {first:.6g} and {second:.6g} degrees are parallel and do not meet in one point",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check both angles",
+)
+CONTOUR_LINE_UNDETERMINED = ErrorEntry(
+    300412,
+    "the contour line under {angle:.6g} degrees has no target",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program a coordinate with #ANG, or a second contour line in the next motion block",
+    source="programming manual line 2883",
+)
+CONTOUR_LINE_OVERDETERMINED = ErrorEntry(
+    300413,
+    "angle {angle:.6g} and target of the contour line contradict: the target lies {distance:.6g} mm beside it",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program the angle and one coordinate",
+)
+CONTOUR_LINE_INCREMENTAL = ErrorEntry(
+    300414,
+    "the target of the second contour line must be absolute",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program G90: the corner before it is not known yet",
+    source="programming manual line 2822",
+)
+ARC_POINTS_EQUAL = ErrorEntry(
+    300416,
+    "{first} and {second} of the arc in space are the same point",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="full circles are not possible with G303",
+    source="programming manual line 2657",
+)
+ARC_POINTS_IN_LINE = ErrorEntry(
+    300417,
+    "the three points of the arc in space lie on a straight line",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="move the interim point (I, J, K) aside, or program G01",
+    source="programming manual line 2657",
+)
+OPENING_ANGLE = ErrorEntry(
+    300418,
+    "opening angle {angle:.6g} of the circle must be above 0 and at most 360 degrees",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="G02 and G03 give the direction",
+)
+RADIUS_DIFFERENCE = ErrorEntry(
+    300419,
+    "radius {start:.6g} mm at the start of the circle and {end:.6g} mm at its end differ by more than {limit:.6g} mm",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check {letters} and the target, or use G165",
+    source="P-CHAN-00171, P-CHAN-00172",
+)
+
+# -- coordinates and offsets ---------------------------------------------------------------------------------------
+
+ROTATION_ENDED = ErrorEntry(
+    300430,
+    "G{number} ends the contour rotation",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="programming manual line 14643",
+)
+ROTATION_AXES = ErrorEntry(300431, "the centre of rotation takes only {axes}", reaction=Reaction.STOP_AT_BLOCK_END)
+MIRROR_VALUE = ErrorEntry(300432, "G351 takes -1 (mirrored) or 1, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END)
+SCALE_FACTOR = ErrorEntry(300433, "scale factor {value:.9g} must be above 0", reaction=Reaction.STOP_AT_BLOCK_END)
+SCALE_ACTIVE = ErrorEntry(
+    300434,
+    "scale factors cannot be changed while scaling is on",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program #SCALE OFF before",
+)
+SCALE_AXIS = ErrorEntry(300435, "axis {axis} is not linear and cannot be scaled", reaction=Reaction.STOP_AT_BLOCK_END)
+ZERO_OFFSET_INDEX = ErrorEntry(
+    300436, "zero offset {value:.9g} does not exist, there are 0 to {last}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FLAG_VALUE = ErrorEntry(300437, "0 or 1 is expected, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END)
+LIMITS_REVERSED = ErrorEntry(
+    300438,
+    "the positive software limit of axis {axis} must lie above the negative one",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+LIMIT_CLAMPED_NEGATIVE = ErrorEntry(
+    21648,
+    "negative software limit of axis {axis} is kept at {limit:.9g}",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="P-CHAN-00498",
+)
+LIMIT_CLAMPED_POSITIVE = ErrorEntry(
+    21650,
+    "positive software limit of axis {axis} is kept at {limit:.9g}",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="P-CHAN-00498",
+)
+PRESET_MIRRORED = ErrorEntry(
+    300439, "position preset is not possible while mirroring is on", reaction=Reaction.STOP_AT_BLOCK_END
+)
+SUPPRESS_AXES = ErrorEntry(
+    300440, "#SUPPRESS OFFSETS needs axis words in its block", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FEED_CHANGE_START = ErrorEntry(
+    300441,
+    "G{number} needs G94 and a feed to begin with",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program F in a block before",
+)
+ANGLE_WITHOUT_CIRCLE = ErrorEntry(300442, "#CANG belongs to G02 and G03", reaction=Reaction.STOP_AT_BLOCK_END)
+ANGLE_WITH_CIRCLE = ErrorEntry(
+    300443, "#ANG makes straight lines: not with G02 and G03", reaction=Reaction.STOP_AT_BLOCK_END
+)
+ANGLE_AND_TARGET = ErrorEntry(
+    300444,
+    "#CANG gives the target in the plane, no coordinates may stand beside it",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+CORNER_TWICE = ErrorEntry(
+    300445, "only one chamfer or rounding can stand at the end of a block", reaction=Reaction.STOP_AT_BLOCK_END
+)
+CORNER_FEED_ALONE = ErrorEntry(
+    300446, "#FRC needs the chamfer or rounding that it belongs to", reaction=Reaction.STOP_AT_BLOCK_END
+)
+CORNER_BLOCK = ErrorEntry(
+    300447,
+    "G301 and G302 without a value are blocks of their own: no axis words",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write G301=.. or G302=.. in the block of the first motion",
+)
+ARC_MAIN_AXES = ErrorEntry(
+    300448, "G303 needs three main axes, the channel has {axes}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FEED_CHANGE_CORNER = ErrorEntry(
+    300450, "no chamfer or rounding in a block with a linear feed change", reaction=Reaction.STOP_AT_BLOCK_END
+)

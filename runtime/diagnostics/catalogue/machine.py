@@ -112,3 +112,26 @@ SERVICE_LOST = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="the system's journal says how it ended; start the runtime again, as systemd does by itself",
 )
+
+# ------------------------------------------------------------------------------------------- #ERROR of an NC program
+
+_USER_ERROR = "programming manual, line 15348"
+USER_WARNING = ErrorEntry(
+    306050, "{text}", severity=Severity.WARNING, reaction=Reaction.NONE, source=_USER_ERROR,
+    remedy="a warning of the NC program (#ERROR); the machine's manual explains its number",
+)  # fmt: skip
+USER_ERROR = ErrorEntry(
+    306051, "{text}", reaction=Reaction.STOP_ON_PATH, source=_USER_ERROR,
+    remedy="an error of the NC program (#ERROR); the machine's manual explains its number; then reset the channel",
+)  # fmt: skip
+USER_FATAL = ErrorEntry(
+    306052, "{text}", severity=Severity.FATAL, reaction=Reaction.STOP_ON_PATH, source=_USER_ERROR,
+    remedy="a fatal error of the NC program (#ERROR): remove its cause and start the runtime again; a reset is not enough",
+)  # fmt: skip
+RESTART_NEEDED = ErrorEntry(
+    306053,
+    "the channel stays in error until the runtime is started again: a program has told a fatal error",
+    severity=Severity.FATAL,
+    reaction=Reaction.NONE,
+    remedy="the alarm before this one tells which; remove its cause, then start the runtime again",
+)

@@ -210,3 +210,29 @@ PLC_NAME = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="use a name of the machine description",
 )
+
+# ------------------------------------------------------------------------------------------- external variables
+
+EXTERNAL_NOT_LAID_OUT = ErrorEntry(
+    304050,
+    "external variable {path} does not fit into the area of {bytes} bytes and {names} names",
+    remedy="correct its type, size, dimensions and place in the description of the external variables",
+)
+PLC_EXTERNAL_NAME = ErrorEntry(
+    304051,
+    "there is no external variable V.E.{path}; known: {known}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="name it in the description of the external variables or correct the spelling",
+)
+PLC_EXTERNAL_VALUE = ErrorEntry(
+    304052,
+    "V.E.{path} of type {kind} cannot be {value!r}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="texts belong to STRING, numbers to all other types; arrays and structures are set element by element",
+)
+PLC_EXTERNAL_INDEX = ErrorEntry(
+    304053,
+    "V.E.{path} has no element {index}; indices go from 0 to {last}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="correct the index, or the dimensions in the description",
+)

@@ -31,7 +31,7 @@ class Place:
         for made in (self.sub, self.reports, self.outside):
             made.mkdir(parents=True)
         (self.outside / "secret.txt").write_text("secret")
-        self.setup: DecoderSetup = replace(SETUP, program_paths=(Path("sub"),), report_folder=self.reports)
+        self.setup: DecoderSetup = replace(SETUP, program_paths=(Path("sub"),), message_paths=(self.reports,))
         self.memory = ChannelMemory(self.setup)
         self.found: dict[int | str, object] = {}
 
@@ -100,7 +100,7 @@ def test_reports_take_no_mode_and_no_receiver(place: Place, words: str) -> None:
 
 
 def test_without_a_folder_of_reports_they_go_beside_the_program(place: Place) -> None:
-    place.setup = replace(place.setup, report_folder=None)
+    place.setup = replace(place.setup, message_paths=())
     assert place.run('#MSG SAVE EXCLUSIVE ["a"]') is None
     assert (place.programs / "message.txt").read_text() == "a\n"
 

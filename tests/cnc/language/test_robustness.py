@@ -77,6 +77,6 @@ def test_memory_stays_flat_over_long_programs() -> None:
 def test_the_table_of_g_functions() -> None:
     assert set(G_FUNCTIONS) <= G_NUMBERS
     for number, function in G_FUNCTIONS.items():
-        assert function.number == number
-        assert function.spec.startswith("isg.g.")
-        assert function.syntax
+        assert function.syntax.number == number
+        assert function.syntax.spec and all(name.startswith("isg.") for name in function.syntax.spec)
+        assert function.syntax.syntax

@@ -9,15 +9,24 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from runtime.cnc.language.addresses import Addresses
+from runtime.cnc.blocks import Synch
+from runtime.cnc.decoder import ChannelMemory, DecoderSetup, Offline, SpindleSetup
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.library import Library
 from runtime.cnc.language.isg.comments import LineError, blank_comments
 from runtime.cnc.language.isg.numeric_blocks import numeric_block
-from runtime.cnc.language.isg.parser import block_parser
 from runtime.cnc.language.isg.scan import NO_MOTION, NO_NUMBER, PlainScanner
 from runtime.cnc.language.isg.words import ParsedBlock, WordKind
 
-ADDRESSES = Addresses(("X", "Y", "Z", "A", "XY"), ("S",), frozenset({8}), frozenset({9}))
-PARSER = block_parser(ADDRESSES)
+SETUP = DecoderSetup(
+    ("X", "Y", "Z", "A", "XY"),
+    (True, True, True, False, True),
+    (SpindleSetup("S"),),
+    m_synch={8: Synch.MOS},
+    h_synch={9: Synch.MOS},
+)
+EXECUTION = Execution(SETUP, ChannelMemory(SETUP), Offline(), Library(SETUP.addresses, ()), np.zeros(5), lambda: 0)
+ADDRESSES, PARSER = SETUP.addresses, EXECUTION.parser
 
 # Pieces that make plain blocks, nearly plain ones and faulty ones.
 pieces = st.sampled_from(
@@ -72,7 +81,7 @@ def test_a_line_that_is_plain_for_the_kernel_means_the_same_for_the_grammar(line
     if count == 0:
         assert stopped or not line
         return
-    parsed = PARSER.parse(line)
+    parsed = PARSER.parse(line, EXECUTION.environment)
     rows = scanner.rows
     expected = {(word.kind, word.index): word.value.constant for word in parsed.words if word.value is not None}
     got: dict[tuple[WordKind, int], float | None] = {

@@ -14,19 +14,30 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     Dwell,
+    ExternalWrite,
+    Flush,
+    FlushKind,
+    Hold,
     Line,
+    Message,
     Polyline,
+    Receiver,
     Source,
     Stop,
     StopKind,
     Synch,
     Technology,
     TechnologyFunction,
+    TimerAction,
+    TimerCommand,
+    UserError,
     Wait,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.path_preparation import PathError, PumpState, QueueWriter
+from runtime.cnc.queue_record import read_record
+from runtime.cnc.queue_texts import TEXTS
 from tests.cnc.interpolator.driving import PERIOD, limits
 
 Floats = npt.NDArray[np.float64]
@@ -175,3 +186,84 @@ def test_a_gap_in_the_path_is_refused() -> None:
     writer.write(line(at(0, 0, 0), at(1, 0, 0)))
     with pytest.raises(PathError, match=r"starts at 2\.0+ of axis Y"):
         writer.write(line(at(1, 2, 0), at(1, 5, 0)))
+
+
+# --------------------------------------------------------------------------------------------- flush, hold, actions
+
+
+def test_actions_become_records_with_their_texts() -> None:
+    queue = written(
+        Message(S, "hello", Receiver.HMI, information=True),
+        TimerAction(S, TimerCommand.READ, 17),
+        ExternalWrite(S, 24, "SGN16", 2, -5.0),
+        ExternalWrite(S, 48, "STRING", 12, "roughing"),
+        UserError(S, 455, 0, 0),
+    )
+    records = [read_record(queue, index) for index in range(queue.written)]
+    assert [record.kind for record in records] == [RecordKind.ACTION] * 5
+    assert [record.action for record in records] == [
+        ActionKind.MESSAGE, ActionKind.TIMER, ActionKind.EXTERNAL, ActionKind.EXTERNAL, ActionKind.WARNING,
+    ]  # fmt: skip
+    texts = [queue.texts.take(record.text) for record in records]
+    assert texts == ["hello", "", "", "roughing", "user error 455"]
+    assert (records[1].number, records[2].value, records[2].offset, records[3].size) == (17, -5.0, 24, 12)
+
+
+@pytest.mark.parametrize("acknowledge", [False, True])
+@pytest.mark.parametrize("receiver", [Receiver.PLC, Receiver.DIAGNOSIS])
+def test_only_messages_that_may_hold_the_path_have_a_gate(receiver: Receiver, acknowledge: bool) -> None:
+    queue = written(*(Message(S, "x", receiver, acknowledge) for _ in range(2)))
+    records = [read_record(queue, index) for index in range(queue.written)]
+    gates = [record for record in records if record.kind is RecordKind.GATE]
+    plc = receiver is Receiver.PLC
+    assert [(gate.reason, gate.number, gate.value) for gate in gates] == [
+        (GateReason.MESSAGE, number if plc else 0, float(acknowledge))
+        for number in ((1, 2) if plc or acknowledge else ())
+    ]
+
+
+def test_errors_of_a_higher_class_are_gates() -> None:
+    queue = written(UserError(S, 1, 2, 0), UserError(S, 2, 7, 0))
+    records = [read_record(queue, index) for index in range(2)]
+    assert [(record.kind, record.reason, record.value) for record in records] == [
+        (RecordKind.GATE, GateReason.USER_ERROR, 2.0),
+        (RecordKind.GATE, GateReason.USER_ERROR, 7.0),
+    ]
+
+
+def test_the_writer_comes_back_after_a_flush_that_waits_and_asks_for_nothing_more() -> None:
+    asked: list[int] = []
+
+    def blocks() -> Iterator[Block]:
+        yield Flush(S, FlushKind.CONTINUE)
+        yield Flush(S, FlushKind.STOP)
+        yield Flush(S, FlushKind.WAIT)
+        asked.append(1)
+        yield Hold(S, "V.E.A == 1")
+        yield Hold(S, "V.E.A == 1")
+        yield BlockEnd(S)
+
+    queue, stream = MotionQueue(3, capacity=1), blocks()
+    writer = QueueWriter(queue, LIMITS, PERIOD)
+    states = []
+    for _ in range(8):
+        states.append(writer.pump(stream))
+        if states[-1] is PumpState.FULL:
+            queue.discard_all()
+        assert bool(asked) == (PumpState.HELD in states)  # not before the call after FLUSH
+    assert states == [
+        PumpState.FULL, PumpState.FLUSH, PumpState.FULL, PumpState.HELD, PumpState.HELD, PumpState.FULL,
+        PumpState.FINISHED, PumpState.FINISHED,
+    ]  # fmt: skip
+
+
+def test_a_text_without_a_place_waits_and_nothing_is_lost() -> None:
+    queue = MotionQueue(3, capacity=1024)
+    writer = QueueWriter(queue, LIMITS, PERIOD)
+    stream: Iterator[Block] = iter([Message(S, f"{k}") for k in range(2 * TEXTS + 3)])
+    texts, done = [], 0
+    for state in (PumpState.FULL, PumpState.FULL, PumpState.FINISHED):
+        assert writer.pump(stream) is state
+        texts += [queue.texts.take(read_record(queue, index).text) for index in range(done, queue.written)]
+        done = queue.written
+    assert texts == [f"{k}" for k in range(2 * TEXTS + 3)]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from runtime.cnc.blocks import CornerKind
+from runtime.cnc.decoder.additions import corner_block
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, g_function
 from runtime.cnc.decoder.modal import Motion
+from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.language.isg.syntax import Group, Values
 
 _CENTRE = "isg.g.circular-centre-g02-g03"
@@ -53,3 +56,41 @@ def centre_relative(x: Execution, call: GCall) -> None:
 def circle_radius(x: Execution, call: GCall) -> None:
     assert call.value is not None
     x.modal.radius = x.length(call.value)
+
+
+@g_function(164, Group.CENTRE_CORRECTION, "isg.g.circle-centre-correction-g164-g165", "isg.g.circle-radius-transition")
+def centre_kept(x: Execution, call: GCall) -> None:
+    x.modal.centre_correction = False
+
+
+@g_function(165, Group.CENTRE_CORRECTION, "isg.g.circle-centre-correction-g164-g165")
+def centre_corrected(x: Execution, call: GCall) -> None:
+    x.modal.centre_correction = True
+
+
+@g_function(303, Group.PATH_CONDITION, "isg.g.arc-in-space-g303", modal=False, syntax="G303 I.. J.. K.. X.. Y.. Z..")
+def arc_in_space(x: Execution, call: GCall) -> None:
+    """The arc from here over the interim point I, J, K to the target; both count as G90 or G91 says."""
+    assert x.block is not None
+    x.axes_taken = True
+    spatial_arc(x, x.block)
+
+
+def _corner(number: int, kind: CornerKind) -> None:
+    @g_function(
+        number,
+        Group.CORNER,
+        "isg.g.chamfer-rounding-g301-g302",
+        "isg.g.chamfer-rounding-inline",
+        modal=False,
+        syntax=f"G{number} [I..] [F..] | G{number}=..",
+        values=Values.OPTIONAL,
+    )
+    def request(x: Execution, call: GCall) -> None:
+        """As a block of its own between two motions, or with a value in the block of the first one (see additions)."""
+        if call.value is None:
+            corner_block(x, kind, call.column)
+
+
+_corner(301, CornerKind.CHAMFER_WIDTH)
+_corner(302, CornerKind.ROUNDING)

@@ -40,6 +40,7 @@ _LABEL_NUMBER = re.compile(r"[\s/]*\d*\s*[Nn]\s*(\d+)\s*:")
 _LABEL_NAME = re.compile(
     r"(?:/\s*\d*\s*)?(?:[Nn]\s*(?:\d+|\[[^\]]*\]|[Pp]\d+)\s*:?\s*)?\[\s*([A-Za-z_]\w*)\s*\](?!\s*[-+*/])"
 )
+_CORNER = re.compile(r"[Gg]\s*0*30[12](?!\d)")
 _HEAD = re.compile(r"[\s/]*\d*\s*(?:[Nn][^$]*)?(?:\[\s*\w+\s*\]\s*)?")
 _BLOCK_NUMBER = re.compile(r"[\s/]*\d*\s*[Nn]\s*(\d+)")
 _COMMENT_BLOCK = re.compile(r"\s*(?:[Nn]\s*\d+\s*)?#\s*COMMENT\s+(BEGIN|END)\b", re.IGNORECASE)
@@ -134,6 +135,7 @@ class Unit:
         self.main: Section | None = None
         self.links: dict[int, Link] = {}
         self.faults: dict[int, Fault] = {}
+        self.corner_blocks: set[int] = set()  # blocks with G301 or G302, which belong to the motion before them
         self._sections: list[Section] = []
         self._offsets, self._lines, self._counts = array("q"), array("q"), array("q")
         self._base = 0  # entries before it are forgotten
@@ -164,6 +166,10 @@ class Unit:
     def count(self, entry: int) -> int:
         """Lines of a plain entry, 0 for a block."""
         return self._counts[entry - self._base]
+
+    def corner_follows(self, entry: int, section: Section) -> bool:
+        """Whether the next entry is a block with G301 or G302."""
+        return self.has(entry + 1, section) and entry + 1 in self.corner_blocks
 
     def around(self, entry: int) -> tuple[int, ...]:
         """First entries of the structures that an entry lies in, the innermost last."""
@@ -354,6 +360,8 @@ class Unit:
     def _classify(self, entry: int, text: str, line: int) -> None:
         """Labels, jumps and control statements of a block."""
         section = self._sections[-1]
+        if "30" in text and _CORNER.search(text):
+            self.corner_blocks.add(entry)
         if "N" in text or "n" in text:
             match = _LABEL_NUMBER.match(text)
             if match:

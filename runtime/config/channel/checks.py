@@ -1,0 +1,171 @@
+"""What channel parameters have to do with each other."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+
+from runtime.config.channel.key import Key, key_text
+from runtime.config.channel.parameter import Value
+from runtime.config.channel.parameters import DecoderConfiguration, PathKind
+from runtime.config.contradictions import Contradiction
+from runtime.diagnostics.catalogue import configuration as errors
+
+# P-CHAN-00063 (manual line 5130): G group -> functions that may be active at program start
+START_G_FUNCTIONS: Mapping[int, tuple[int, ...]] = {
+    0: (0, 1, 2, 3, 4),
+    4: (17, 18, 19),
+    6: (25, 26),
+    8: (51, 52),
+    12: (70, 71),
+    14: (90, 91),
+    21: (135, 137),
+    22: (138, 139, 236, 237, 238, 239),
+    23: (161, 162),
+    25: (164, 165),
+    32: (140, 141),
+}
+_Values = Mapping[Key, Value]
+
+
+def check(values: dict[Key, Value]) -> tuple[tuple[Contradiction, ...], tuple[Contradiction, ...]]:
+    """Mistakes and warnings; their locations are keys. A feed unit that does not exist is replaced in `values`."""
+    mistakes = (
+        *_gaps(values),
+        *_missing_members(values),
+        *_spindles(values),
+        *_start_functions(values),
+        *_macros(values),
+        *_paths(values),
+    )
+    return mistakes, tuple(_feed_unit(values))
+
+
+def _members(values: _Values, group: str) -> dict[int, dict[str, Value]]:
+    """Index -> member -> value of `group[i].member`."""
+    members: dict[int, dict[str, Value]] = defaultdict(dict)
+    for key, value in values.items():
+        if key[0] == group and len(key) == 3:
+            members[int(key[1])][str(key[2])] = value
+    return members
+
+
+def _gaps(values: _Values) -> Iterator[Contradiction]:
+    indices = sorted(_members(values, "spindel"))
+    for expected, index in enumerate(indices):
+        if index != expected:
+            yield Contradiction(
+                errors.INDEX_GAP, ("spindel", index), {"group": "spindel", "index": index, "missing": expected}
+            )
+            return
+
+
+def _missing_members(values: _Values) -> Iterator[Contradiction]:
+    for group, needed in (
+        ("spindel", ["bezeichnung"]),
+        ("makro_def", ["symbol", "nc_code"]),
+        ("path", ["dir", "type"]),
+    ):
+        for index, members in _members(values, group).items():
+            for name in needed:
+                if not members.get(name):
+                    about = {"key": name, "owner": f"{group}[{index}]"}
+                    yield Contradiction(errors.KEY_MISSING, (group, index), about)
+
+
+def _spindles(values: _Values) -> Iterator[Contradiction]:
+    spindles = _members(values, "spindel")
+    number = values.get(("spdl_anzahl",), 0)
+    if number and number != len(spindles):
+        yield _other(("spdl_anzahl",), number, "the number of spindles in spindel[]", len(spindles))
+    first = spindles.get(0, {})
+    for key, member in ((("main_spindle_ax_nr",), "log_achs_nr"), (("main_spindle_name",), "bezeichnung")):
+        value = values.get(key)
+        if value and value != first.get(member):
+            yield _other(key, value, f"spindel[0].{member}, the only main spindle that is supported",
+                         first.get(member, "not given"))  # fmt: skip
+
+
+def _other(key: Key, value: object, what: str, other: object) -> Contradiction:
+    return Contradiction(
+        errors.PARAMETER_CONTRADICTS, key, {"key": key_text(key), "given": value, "what": what, "other": other}
+    )
+
+
+def _start_functions(values: _Values) -> Iterator[Contradiction]:
+    for key, value in values.items():
+        if key[:2] == ("prog_start", "g_gruppe") and value != -1:
+            allowed = START_G_FUNCTIONS.get(int(key[2]), ())
+            if value not in allowed:
+                possible = ", ".join(map(str, (-1, *allowed)))
+                about = {"key": key_text(key), "given": value, "suggestion": "", "allowed": possible}
+                yield Contradiction(errors.UNKNOWN_CHOICE, key, about)
+
+
+def _macros(values: _Values) -> Iterator[Contradiction]:
+    decoder = DecoderConfiguration.model_validate(
+        {str(key[2]): value for key, value in values.items() if key[:2] == ("configuration", "decoder")}
+    )
+    if decoder.macro_definition_number >= decoder.macro_number:
+        limit: Key = ("configuration", "decoder", "macro_definition_number")
+        if limit not in values:
+            limit = ("configuration", "decoder", "macro_number")
+        about = {"key": "configuration.decoder.macro_definition_number", "given": decoder.macro_definition_number}
+        yield Contradiction(errors.OUT_OF_RANGE, limit, {**about, "bound": "it must be less than macro_number"})
+    macros = _members(values, "makro_def")
+    names: dict[Value, int] = {}
+    for count, (index, macro) in enumerate(sorted(macros.items()), start=1):
+        if count > decoder.macro_definition_number:
+            bound = f"at most {decoder.macro_definition_number} are possible (macro_definition_number)"
+            about = {"key": "makro_def", "given": len(macros), "bound": bound}
+            yield Contradiction(errors.WRONG_LENGTH, ("makro_def", index), about)
+            break
+        for member, greatest, name in (
+            ("symbol", decoder.macro_symbol_len, "macro_symbol_len"),
+            ("nc_code", decoder.macro_nc_code_len, "macro_nc_code_len"),
+        ):
+            length = len(str(macro.get(member, "")))
+            if length > greatest:
+                key: Key = ("makro_def", index, member)
+                about = {"key": key_text(key), "given": length, "bound": f"at most {greatest} are possible ({name})"}
+                yield Contradiction(errors.WRONG_LENGTH, key, about)
+        symbol = macro.get("symbol", "")
+        if symbol and symbol in names:
+            about = {"what": f"makro_def[{index}].symbol", "value": symbol, "first": f"makro_def[{names[symbol]}]"}
+            yield Contradiction(errors.PARAMETER_NOT_UNIQUE, ("makro_def", index, "symbol"), about)
+        names.setdefault(symbol, index)
+
+
+def _paths(values: _Values) -> Iterator[Contradiction]:
+    numbers: dict[Value, int] = {}
+    priorities: dict[tuple[PathKind, Value], int] = {}
+    for index, path in sorted(_members(values, "path").items()):
+        if number := path.get("id", 0):
+            if number in numbers:
+                about = {"what": f"path[{index}].id", "value": number, "first": f"path[{numbers[number]}]"}
+                yield Contradiction(errors.PARAMETER_NOT_UNIQUE, ("path", index, "id"), about)
+            numbers.setdefault(number, index)
+        priority = path.get("priority", 0)
+        for kind in PathKind:
+            if PathKind(int(path.get("type", 0))) & kind:
+                if (kind, priority) in priorities:
+                    other = priorities[kind, priority]
+                    about = {"index": index, "other": other, "priority": priority, "type": f"0x{kind.value:02X}"}
+                    yield Contradiction(errors.PATH_PRIORITY_TWICE, _given(values, ("path", index), "priority"), about)
+                    break
+                priorities[kind, priority] = index
+
+
+def _given(values: _Values, group: Key, member: str) -> Key:
+    """The member if it was given, else its group."""
+    return (*group, member) if (*group, member) in values else group
+
+
+def _feed_unit(values: dict[Key, Value]) -> Iterator[Contradiction]:
+    """0 and negative units are taken as 100; only -1 does so without a warning (P-CHAN-00108)."""
+    key: Key = ("prog_start", "feedrate_factor")
+    factor = values.get(key, 100.0)
+    if float(factor) <= 0.0:
+        values[key] = 100.0
+        if factor != -1.0:
+            yield Contradiction(errors.FEED_UNIT, key, {"given": f"{factor:g}"})

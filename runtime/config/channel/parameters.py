@@ -1,0 +1,261 @@
+"""The channel parameters in use, typed, under the manual's names and in the manual's units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntFlag
+
+from pydantic import Field, PrivateAttr
+
+from runtime.config.channel.key import Key
+from runtime.config.contradictions import Contradiction, Location
+from runtime.config.model import Model, Several
+from runtime.diagnostics.errors import Place
+
+INTERNAL = 1e-4  # mm or degrees per internal unit (0.1 µm, 0.0001°)
+
+
+class PathKind(IntFlag):
+    """What the programs or files of a folder are for (P-CHAN-00403)."""
+
+    MAIN = 0x1
+    SUBROUTINE = 0x2
+    MESSAGES = 0x4  # #MSG SAVE
+    DEBUG = 0x8
+
+
+class ChannelSpindle(Model):
+    """`spindel[i].*`: a spindle of the channel (manual line 3741 and following)."""
+
+    bezeichnung: str  # P-CHAN-00007, name of the axis
+    log_achs_nr: int | None = None  # P-CHAN-00036, has to be that of the axis
+    s_synch: str = "NO_SYNCH"  # P-CHAN-00081
+    m3_synch: str = "NO_SYNCH"  # P-CHAN-00045
+    m4_synch: str = "NO_SYNCH"  # P-CHAN-00047
+    m5_synch: str = "NO_SYNCH"  # P-CHAN-00049
+    m19_synch: str = "NO_SYNCH"  # P-CHAN-00043
+
+
+class ChannelTool(Model):
+    """`tool.*`."""
+
+    synch: str = "NO_SYNCH"  # P-CHAN-00086
+
+
+class StartFunction(Model):
+    """`prog_start.g_gruppe[i]`."""
+
+    nr: int = -1  # P-CHAN-00063; -1: the built-in one
+
+
+class ProgramStart(Model):
+    """`prog_start.*`: what holds when a program starts."""
+
+    feedrate: float = 0.0  # P-CHAN-00099, feed before the first F word; 0: the program has to give one
+    feedrate_factor: float = 100.0  # P-CHAN-00108, unit of F: 100 is mm/min, 0.1 is m/min
+    g_gruppe: dict[int, StartFunction] = Field(default_factory=dict)
+
+    @property
+    def g_functions(self) -> dict[int, int]:
+        """G group → number of the function that is active at program start, where one is chosen."""
+        return {group: function.nr for group, function in self.g_gruppe.items() if function.nr != -1}
+
+    @property
+    def feed_unit(self) -> float:
+        """mm/min per unit of the F word: 1 or 1000."""
+        return 1000.0 if self.feedrate_factor == 0.1 else 1.0
+
+
+class AxisOfGroup(Model):
+    """`gruppe[0].achse[j].*`; name and number have to be those of the channel's axis j."""
+
+    bezeichnung: str = ""  # P-CHAN-00006
+    log_achs_nr: int | None = None  # P-CHAN-00035
+    default_feed_axis: bool = False  # P-CHAN-00011
+
+
+class AxisGroup(Model):
+    """`gruppe[0].*`: the axes of the channel."""
+
+    bezeichnung: str = ""  # P-CHAN-00005
+    achs_anzahl: int = 0  # P-CHAN-00003
+    achse: dict[int, AxisOfGroup] = Field(default_factory=dict)
+
+
+class MacroDefinition(Model):
+    """`makro_def[i].*`: a macro that every program of the channel has."""
+
+    symbol: str  # P-CHAN-00085
+    nc_code: str  # P-CHAN-00062
+
+
+class ProgramPath(Model):
+    """`path[i].*`: a folder for programs or other files."""
+
+    dir: str  # P-CHAN-00401
+    id: int = 0  # P-CHAN-00402
+    type: int  # P-CHAN-00403, bits of PathKind
+    priority: int = 0  # P-CHAN-00404, 0 is looked at first
+
+    @property
+    def kind(self) -> PathKind:
+        return PathKind(self.type)
+
+
+class DecoderConfiguration(Model):
+    """`configuration.decoder.*`: limits and message receivers; sizes in bytes."""
+
+    var_memory: int = 0  # P-CHAN-00418, for V.CYC on top of 8000
+    v_ch_memory: int = 0  # P-CHAN-00424, for V.CH
+    cycle_stack_add_var_count: int = 0  # P-CHAN-00488, @P parameters on top of the usual ones
+    max_number_of_tools: int = -1  # P-CHAN-00419; -1 stands for 200
+    max_local_subroutine_definitions: int = 50  # P-CHAN-00505
+    macro_number: int = 100  # P-CHAN-00509, of the list and of programs together
+    macro_definition_number: int = 50  # P-CHAN-00510, of the list
+    macro_symbol_len: int = 30  # P-CHAN-00511, characters
+    macro_nc_code_len: int = 80  # P-CHAN-00512, characters
+    string_label_number: int = 200  # P-CHAN-00515
+    expression_label_number: int = 200  # P-CHAN-00516
+    p_param_number: int = 1000  # P-CHAN-00517
+    msg_diag_memory: int = 0  # P-CHAN-00514; 0: no diagnosis messages
+    msg_to_default: str = "STANDARD"  # P-CHAN-00518: STANDARD, DISABLED, WARNING (22194) or ERROR (22195)
+    msg_to_hmi: str = "STANDARD"  # P-CHAN-00519
+    msg_to_plc: str = "STANDARD"  # P-CHAN-00520
+
+    @property
+    def tools(self) -> int:
+        """Greatest number of tools in a list."""
+        return 200 if self.max_number_of_tools == -1 else self.max_number_of_tools
+
+
+class Configuration(Model):
+    """`configuration.*`: read at start only."""
+
+    decoder: DecoderConfiguration = DecoderConfiguration()
+
+
+class ChannelParameters(Model):
+    """Channel parameters under their manual names."""
+
+    # technology functions
+    m_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00041
+    h_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00027
+    tool: ChannelTool = ChannelTool()
+    # spindles and axes
+    spdl_anzahl: int = 0  # P-CHAN-00082, number of spindles when given
+    spindel: Several[ChannelSpindle] = ()
+    main_spindle_ax_nr: int = 0  # P-CHAN-00051, only that of the first spindle
+    main_spindle_name: str = ""  # P-CHAN-00053, only that of the first spindle
+    grp_anzahl: int = 1  # P-CHAN-00023
+    gruppe: dict[int, AxisGroup] = Field(default_factory=dict)
+    feed_to_weakest_axis: bool = False  # P-CHAN-00096
+    # what holds at program start, and from one program to the next
+    prog_start: ProgramStart = ProgramStart()
+    no_init_prog_start: bool = False  # P-CHAN-00347
+    p_param_haltend: bool = False  # P-CHAN-00067, P parameters outlive the program
+    # motion words
+    multi_dimension_in_block: bool = False  # P-CHAN-00116, G90 and G91 in one block
+    multi_axes_in_block: bool = False  # P-CHAN-00148, an axis several times in a block
+    mittelpkt_diff: float = 20000.0  # P-CHAN-00059, 0.1 µm
+    mittelpkt_faktor: int = 50  # P-CHAN-00060, 0.1 % of the radius
+    max_radius_diff_circle: int = 0  # P-CHAN-00171, 0.1 µm; 0: off
+    max_proz_radius_diff_circle: int = 0  # P-CHAN-00172, 0.1 % of the radius; 0: off
+    range_check_prog_soft_limits: bool = False  # P-CHAN-00498, G98 and G99 clamp to the limits of the axis
+    versch_im_durchm: bool = False  # P-CHAN-00091, offsets of the facing axis are diameters
+    enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
+    max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
+    # subroutines
+    path: dict[int, ProgramPath] = Field(default_factory=dict)
+    m6_prog_file: str = ""  # P-CHAN-00118
+    d_prog_file: str = ""  # P-CHAN-00429
+    start_init_prog_file: str = ""  # P-CHAN-00119
+    start_init_prog_file_mode: str = "AUTOMATIC"  # P-CHAN-00260: AUTOMATIC, MDI or both with " | "
+    final_prog_file: str = ""  # P-CHAN-00252
+    final_prog_file_mode: str = "AUTOMATIC"  # P-CHAN-00433
+    g80_prog_file: str = ""  # P-CHAN-00160
+    g81_prog_file: str = ""  # P-CHAN-00161
+    g82_prog_file: str = ""  # P-CHAN-00162
+    g83_prog_file: str = ""  # P-CHAN-00163
+    g84_prog_file: str = ""  # P-CHAN-00164
+    g85_prog_file: str = ""  # P-CHAN-00165
+    g86_prog_file: str = ""  # P-CHAN-00166
+    g87_prog_file: str = ""  # P-CHAN-00167
+    g88_prog_file: str = ""  # P-CHAN-00168
+    g89_prog_file: str = ""  # P-CHAN-00169
+    g800_prog_file: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00187: 5 belongs to G805
+    # cycles
+    cycle_changes_modal: bool = False  # P-CHAN-00210
+    suppress_cycle_logging: bool = False  # P-CHAN-00211
+    create_cycle_param_on_read: bool = True  # P-CHAN-00463
+    cycle_stack_memory: int = 0  # P-CHAN-00481, bytes for @P parameters on top of the usual ones
+    # macros and limits
+    makro_def: dict[int, MacroDefinition] = Field(default_factory=dict)
+    configuration: Configuration = Configuration()
+
+    _origins: Mapping[Key, tuple[Location, Place | None]] = PrivateAttr(default_factory=dict)
+    _warnings: tuple[Contradiction, ...] = PrivateAttr(default=())
+
+    @classmethod
+    def of(
+        cls,
+        tree: Mapping[str | int, object],
+        origins: Mapping[Key, tuple[Location, Place | None]],
+        warnings: tuple[Contradiction, ...],
+    ) -> ChannelParameters:
+        """The parameters of a tree of checked values, with where they were given and what has no effect."""
+        parameters = cls.model_validate(tree)
+        parameters._origins, parameters._warnings = origins, warnings
+        return parameters
+
+    @property
+    def g_prog_files(self) -> dict[int, str]:
+        """Number of a G function (80…89, 800…839) → global subroutine that it calls, where one is given."""
+        files = {number: str(getattr(self, f"g{number}_prog_file")) for number in range(80, 90)}
+        files |= {800 + index: name for index, name in self.g800_prog_file.items()}
+        return {number: name for number, name in files.items() if name}
+
+    @property
+    def macros(self) -> dict[str, str]:
+        """Name → NC code of the macros of the list."""
+        return {macro.symbol: macro.nc_code for macro in self.makro_def.values()}
+
+    @property
+    def centre_shift(self) -> float:
+        """Greatest correction of a circle centre, mm."""
+        return self.mittelpkt_diff * INTERNAL
+
+    @property
+    def centre_shift_share(self) -> float:
+        """The same as a share of the radius."""
+        return self.mittelpkt_faktor / 1000.0
+
+    @property
+    def radius_difference(self) -> float:
+        """Greatest difference of the radii at start and end of an arc with G164, mm; 0: no difference is blended."""
+        return self.max_radius_diff_circle * INTERNAL
+
+    @property
+    def radius_difference_share(self) -> float:
+        """The same as a share of the radius; 0: no such limit."""
+        return self.max_proz_radius_diff_circle / 1000.0
+
+    def feed_axes(self, axes: int) -> tuple[int, ...]:
+        """Indices of the default feed axes in a channel with so many axes: those chosen, else the main axes."""
+        chosen = tuple(
+            index for index, axis in sorted(self.gruppe.get(0, AxisGroup()).achse.items()) if axis.default_feed_axis
+        )
+        return chosen or tuple(range(min(axes, 3)))
+
+    def folders(self, kind: PathKind) -> tuple[str, ...]:
+        """The folders of a kind in the order in which they are searched."""
+        chosen = [path for path in self.path.values() if path.kind & kind]
+        return tuple(path.dir for path in sorted(chosen, key=lambda path: path.priority))
+
+    def origin(self, *key: str | int) -> tuple[Location, Place | None]:
+        """Where a parameter was given: its location in the YAML tree of the parameters, or its place in the list."""
+        return self._origins.get(key, (key, None))
+
+    @property
+    def warnings(self) -> tuple[Contradiction, ...]:
+        """What was given and has no effect; locations count from the parameters."""
+        return self._warnings

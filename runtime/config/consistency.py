@@ -1,0 +1,189 @@
+"""The parts of a machine description that have to fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from runtime.config.channel.key import key_text
+from runtime.config.contradictions import Contradiction, Location
+from runtime.config.error_texts import ErrorTexts, ErrorTextsError
+from runtime.config.external import external_mistakes
+from runtime.diagnostics.catalogue import configuration as errors
+from runtime.diagnostics.errors import Place
+
+if TYPE_CHECKING:
+    from runtime.config.machine import Channel, Machine
+
+
+def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
+    """Everything that does not fit together; locations count from the machine."""
+    yield from _twice(machine)
+    yield from _shared_nodes(machine)
+    yield from _unknown_axes(machine)
+    yield from _spindle_axes(machine)
+    yield from _axis_groups(machine)
+    yield from _short_watchdogs(machine)
+    yield from external_mistakes(machine.structures, machine.external_variables)
+    yield from _unusable_texts(machine)
+
+
+def _unusable_texts(machine: Machine) -> Iterator[Contradiction]:
+    """The file of error texts can be read: the preparation does so later, where nobody looks any more."""
+    try:
+        ErrorTexts.of(machine)
+    except ErrorTextsError as error:
+        values = {"file": machine.error_texts, "reason": error}
+        yield Contradiction(errors.ERROR_TEXTS, ("error_texts",), values)
+
+
+def _twice(machine: Machine) -> Iterator[Contradiction]:
+    """Axis names and logical axis numbers are given once."""
+    for key, what in (("name", "Axis name"), ("log_axis", "Logical axis number")):
+        seen: set[object] = set()
+        for index, axis in enumerate(machine.axes):
+            value = getattr(axis, key)
+            if value in seen:
+                yield Contradiction(errors.NOT_UNIQUE, ("axes", index, key), {"what": what, "value": value})
+            seen.add(value)
+
+
+def _shared_nodes(machine: Machine) -> Iterator[Contradiction]:
+    """A CANopen node id belongs to one device; the master is one too."""
+    owners: dict[int, str] = {machine.fieldbus.bus.master_node: "the master (fieldbus.bus.master_node)"}
+    used: list[tuple[int, str, Location]] = [
+        (axis.drive.node, f"axis {axis.name}", ("axes", index, "drive", "node"))
+        for index, axis in enumerate(machine.axes)
+        if axis.drive
+    ]
+    used += [
+        (io.node, f"I/O node fieldbus.io[{index}]", ("fieldbus", "io", index, "node"))
+        for index, io in enumerate(machine.fieldbus.io)
+    ]
+    for node, owner, location in used:
+        if node in owners:
+            yield Contradiction(errors.NODE_TWICE, location, {"node": node, "first": owners[node], "second": owner})
+        else:
+            owners[node] = owner
+
+
+def _unknown(
+    location: Location, user: str, axis: str, reason: str, known: str, *, at_key: bool = False
+) -> Contradiction:
+    values = {"user": user, "axis": axis, "reason": reason, "known": known}
+    return Contradiction(errors.UNKNOWN_AXIS, location, values, at_key)
+
+
+def _unknown_axes(machine: Machine) -> Iterator[Contradiction]:
+    """A channel uses axes that are described, its zero offsets shift its own axes."""
+    names = [axis.name for axis in machine.axes]
+    for index, channel in enumerate(machine.channels):
+        user = f"Channel {channel.name}"
+        known = ", ".join(names)
+        for number, name in enumerate(channel.axes):
+            location: Location = ("channels", index, "axes", number)
+            if name not in names:
+                yield _unknown(location, user, name, "is not described under axes", known)
+            elif name in channel.axes[:number]:
+                yield _unknown(location, user, name, "stands in the list already", known)
+        for offset, shifts in channel.zero_offsets.items():
+            for name in shifts:
+                if name not in channel.axes:
+                    location = ("channels", index, "zero_offsets", offset, name)
+                    user = f"Zero offset {offset} of channel {channel.name}"
+                    yield _unknown(
+                        location, user, name, "is no axis of the channel", ", ".join(channel.axes), at_key=True
+                    )
+
+
+def _spindle_axes(machine: Machine) -> Iterator[Contradiction]:
+    """The spindles of a channel are axes of type spindle, with the logical number that their parameters give."""
+    axes = {axis.name: axis for axis in machine.axes}
+    for channel_index, channel in enumerate(machine.channels):
+        for index, spindle in enumerate(channel.parameters.spindel):
+            location, place = _origin(channel_index, channel, "spindel", index, "bezeichnung")
+            name = spindle.bezeichnung
+            if name not in axes:
+                values = {
+                    "user": f"Channel {channel.name}",
+                    "axis": name,
+                    "reason": "is not described under axes",
+                    "known": ", ".join(axes),
+                }
+                yield Contradiction(errors.UNKNOWN_AXIS, location, values, place=place)
+                continue
+            axis = axes[name]
+            if axis.type.value != "spindle":
+                values = {"channel": channel.name, "axis": name, "type": axis.type.value}
+                yield Contradiction(errors.SPINDLE_EXPECTED, location, values, place=place)
+            if spindle.log_achs_nr not in (None, axis.log_axis):
+                yield _differs(
+                    channel_index,
+                    channel,
+                    ("spindel", index, "log_achs_nr"),
+                    spindle.log_achs_nr,
+                    f"log_axis of {name}",
+                    axis.log_axis,
+                )
+
+
+def _axis_groups(machine: Machine) -> Iterator[Contradiction]:
+    """The axes that the parameters give are those of the channel."""
+    numbers = {axis.name: axis.log_axis for axis in machine.axes}
+    for index, channel in enumerate(machine.channels):
+        for group_index, group in channel.parameters.gruppe.items():
+            here = ("gruppe", group_index)
+            if group.achs_anzahl not in (0, len(channel.axes)):
+                yield _differs(
+                    index, channel, (*here, "achs_anzahl"), group.achs_anzahl, "the number of axes", len(channel.axes)
+                )
+            for number, axis in group.achse.items():
+                key = (*here, "achse", number)
+                name = channel.axes[number] if number < len(channel.axes) else None
+                if name is None:
+                    member = next(member for member in ("bezeichnung", "log_achs_nr", "default_feed_axis")
+                                  if member in axis.model_fields_set)  # fmt: skip
+                    yield _differs(
+                        index, channel, (*key, member), getattr(axis, member), f"axes[{number}]", "not given"
+                    )
+                    continue
+                if axis.bezeichnung not in ("", name):
+                    yield _differs(
+                        index, channel, (*key, "bezeichnung"), axis.bezeichnung, f"axes[{number}] of the channel", name
+                    )
+                if axis.log_achs_nr is not None and axis.log_achs_nr != numbers.get(name, axis.log_achs_nr):
+                    yield _differs(
+                        index, channel, (*key, "log_achs_nr"), axis.log_achs_nr, f"log_axis of {name}", numbers[name]
+                    )
+
+
+def _origin(channel_index: int, channel: Channel, *key: str | int) -> tuple[Location, Place | None]:
+    """Where a channel parameter was given: its location in the description, or its place in the list file."""
+    location, place = channel.parameters.origin(*key)
+    return ("channels", channel_index, "parameters", *location), place
+
+
+def _differs(
+    channel_index: int, channel: Channel, key: Location, given: object, what: str, other: object
+) -> Contradiction:
+    location, place = _origin(channel_index, channel, *key)
+    values = {"key": key_text(key), "given": given, "what": what, "other": other}
+    return Contradiction(errors.PARAMETER_CONTRADICTS, location, values, place=place)
+
+
+def _short_watchdogs(machine: Machine) -> Iterator[Contradiction]:
+    """A time limit longer than what it watches, else it fires on a healthy machine."""
+    bus, plc = machine.fieldbus.bus, machine.plc
+    for what, timeout, of_what, cycle, location in (
+        ("The PLC watchdog", plc.watchdog, "the PLC cycle", plc.every * machine.cycle.period, ("plc", "watchdog")),
+        (
+            "The heartbeat timeout",
+            bus.heartbeat_timeout,
+            "the heartbeat's producer time",
+            bus.heartbeat,
+            ("fieldbus", "bus", "heartbeat_timeout"),
+        ),
+    ):
+        if timeout <= cycle:
+            values = {"what": what, "timeout": timeout, "cycle": cycle, "of_what": of_what}
+            yield Contradiction(errors.WATCHDOG_TOO_SHORT, location, values)

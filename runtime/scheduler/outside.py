@@ -1,0 +1,109 @@
+"""The running machine as the decoder sees it at decoding time: HLI, clock, and the cycle at the other end of the link.
+
+Messages and warnings go through the link, because the cycle alone writes events and the HLI. What finds no room there waits
+here; meanwhile the preparation asks the decoder for nothing more.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from datetime import datetime
+
+from runtime.cnc.blocks import Floats, Message, Receiver, TimerCommand, UserError
+from runtime.cnc.decoder_reports import Report, ReportKind
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.config.error_texts import ErrorTexts
+from runtime.config.machine import Machine
+from runtime.hli.external import external_area
+from runtime.hli.layout import Hli
+from runtime.hli.timers import Timers
+
+_RECEIVERS = tuple(Receiver)
+
+
+class RunningMachine:
+    """`Outside` of one channel. `now` is the wall clock; a simulation gives its own."""
+
+    def __init__(self, machine: Machine, hli: Hli, link: PreparationLink, now: Callable[[], datetime]) -> None:
+        self.error_texts = ErrorTexts.of(machine)
+        self.now = now
+        self._link = link
+        self._timers = Timers(hli)
+        self._external = external_area(hli)
+        self._backlog: deque[Report] = deque()
+        self._number = link.told.last  # of the report told last; goes on when the preparation starts anew
+        self._for_plc: deque[int] = deque(maxlen=1024)  # numbers of messages that the PLC takes, oldest first
+
+    @property
+    def external(self) -> memoryview:
+        return self._external
+
+    def command_position(self) -> Floats | None:
+        return self._link.command_position
+
+    def actual_position(self) -> Floats | None:
+        return self._link.actual_position
+
+    def changes_files(self) -> bool:
+        return True
+
+    def waits_in_vain(self) -> bool:
+        return False
+
+    # ------------------------------------------------------------------ messages and warnings
+
+    def tell(self, message: Message) -> int:
+        number = self._put(
+            Report(
+                ReportKind.MESSAGE,
+                message.text,
+                message.source.program,
+                message.source.line,
+                message.source.n,
+                _RECEIVERS.index(message.receiver),
+                message.information,
+            )
+        )
+        if message.receiver is Receiver.PLC:
+            self._for_plc.append(number)
+        return number
+
+    def error(self, error: UserError) -> None:
+        source = error.source
+        text = self.error_texts.describe(error)
+        self._put(Report(ReportKind.WARNING, text, source.program, source.line, source.n))
+
+    def _put(self, report: Report) -> int:
+        self._number += 1
+        self._backlog.append(report)
+        self.hand_over()
+        return self._number
+
+    def hand_over(self) -> bool:
+        """Pass on what waits here, as far as there is room; TRUE if some of it still waits."""
+        told = self._link.told
+        while self._backlog and told.free:
+            told.put(self._backlog.popleft())
+        return bool(self._backlog)
+
+    def room(self) -> bool:
+        return not self._backlog and self._link.told.free > 0
+
+    def taken(self, number: int) -> bool:
+        if number in self._for_plc:
+            return self._link.told.was_taken(number)
+        return self._link.told.was_told(number)
+
+    def forget(self) -> None:
+        """A program starts or is aborted: what was not handed over is not told any more."""
+        self._number -= len(self._backlog)
+        self._backlog.clear()
+
+    # ------------------------------------------------------------------ timers
+
+    def timer(self, command: TimerCommand, timer: int) -> int:
+        return self._timers.act(command.value, timer)
+
+    def latched(self, timer: int) -> int:
+        return self._timers.latched(timer)

@@ -1,0 +1,29 @@
+%L SUB
+P1 = P1 + 1
+$IF P1 > 3
+M17
+$ENDIF
+X[P1]
+LL SUB
+M17
+%MAIN
+G90 G01 F500
+P1 = 0 P2 = 10
+LL SUB
+N5 $FOR P3 = 1, 5, 2
+$WHILE P2 >= 0.5
+P2 = P2 - 1 MOD 3
+$IF P2 == 4
+X1
+$ELSEIF [P2 & 1] && TRUE
+Y[P2 * 2]
+$ELSE
+Z-[P2]
+$ENDIF
+$ENDWHILE
+P2 = 4
+$ENDFOR
+/ M01
+/3 X100
+L fuzz.nc
+M30

@@ -1,0 +1,12 @@
+%PLAIN
+N1 G90 G71 G94 G17
+N2 G00 X0 Y0 Z10
+N3 G01 Z0 F1000
+X1.5 Y-2.25 ; a comment
+g1 X2 Y.5 f 2000
+(one) X3 (two (inner)) Y4
+N10 X+5Y5Z-1.0001
+
+X6
+G0X0
+M30

@@ -1,0 +1,29 @@
+#VAR
+V.P.A = 1
+V.L.B[3] = [1, 2, 3]
+#ENDVAR
+"ONE" = "SIN[\"TWO\"]"
+$SWITCH P1 = INT[P2]
+$CASE 1
+X1
+$BREAK
+$DEFAULT
+#MSG ["value %f of %s", P1, "text"]
+$ENDSWITCH
+$DO
+$CONTINUE
+$ENDDO P1 < 2
+$REPEAT
+$BREAK
+$UNTIL P1 > 2
+N20: X20
+[LABEL] Y1
+$IF P1 < 100 $GOTO N20
+#FLUSH WAIT
+#TIMER START [1]
+G301 I2 X10
+#RND 2 X20 Y5
+V.E.TEXT = LEFT["abc", 2] + MID["abcdef", 2, 3]
+#DELETE V.P.A
+L CYCLE.nc @P1 = 5
+M30
