@@ -84,7 +84,8 @@ class Execution:
             chosen = memory.zero_offsets[memory.zero_default] * memory.zero_enabled[memory.zero_default]
             self.coordinates.offsets.zero = [float(offset) for offset in chosen]
             self.coordinates.update()
-        self.parameters, self.parameter_arrays = memory.parameters_at_start(setup)
+        self.parameters = memory.start_parameters(setup)
+        self.parameter_arrays = memory.start_arrays(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
         self.frames: list[Frame] = []
         self.out: list[Block] = []

@@ -48,13 +48,22 @@ class ChannelMemory:
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
         self.report = ReportCount()
-        self._parameters: tuple[Parameters, Scope] | None = None
+        self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
+        self.parameter_arrays: Scope | None = None
 
-    def parameters_at_start(self, setup: DecoderSetup) -> tuple[Parameters, Scope]:
-        """P parameters and P arrays of a program that starts: new ones, or those of the program before (P-CHAN-00067)."""
-        if self._parameters is None or not setup.keep_parameters:
-            self._parameters = Parameters(), Scope("P", setup.limits.parameters)
-        return self._parameters
+    def start_parameters(self, setup: DecoderSetup) -> Parameters:
+        """The P parameters that a program starts with: those of the one before it, or none (P-CHAN-00067)."""
+        if not setup.keep_parameters:
+            return Parameters()
+        if self.parameters is None:
+            self.parameters = Parameters()
+        return self.parameters
+
+    def start_arrays(self, setup: DecoderSetup) -> Scope:
+        """The P arrays that a program starts with."""
+        if self.parameter_arrays is None or not setup.keep_parameters:
+            self.parameter_arrays = Scope("P", setup.limits.parameters)
+        return self.parameter_arrays
 
     def define_macro(self, name: str, content: str) -> None:
         """Define a macro of a program."""

@@ -11,6 +11,7 @@ import pytest
 
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Offline, Outside, ProgramError, load_program
 from runtime.cnc.decoder.file_access import BACKUPS
+from runtime.cnc.decoder.isg.registry import STATEMENTS
 from runtime.cnc.decoder.report_file import Backups
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from runtime.diagnostics.errors import Problem
@@ -152,6 +153,23 @@ def test_backups_are_made_after_so_many_writes_and_the_oldest_goes(place: Place)
     three = "\n".join(f'#MSG SAVE EXCLUSIVE ["{n}"]' for n in range(3))
     assert place.run(three, name="other.log", backups=backups) is None
     assert (place.reports / "other1.bak").read_text() == "0\n1\n"
+
+
+@pytest.mark.skipif("FILE NAME" not in STATEMENTS, reason="#FILE NAME is not there yet")
+@pytest.mark.spec("isg.add.file-backup")
+def test_backups_are_asked_for_by_file_name(place: Place) -> None:
+    writes = "\n".join(f'#MSG SAVE EXCLUSIVE ["{n}"]' for n in range(1, 6))
+    limits = "BACKUP_LINES_MAX=2 BACKUP_COUNT_MAX=2"
+    assert place.run(f'#FILE NAME [MSG="test.log" {limits}]\n{writes}') is None
+    assert (place.reports / "test2.bak").read_text() == "3\n4\n"
+    assert (place.reports / "test.log").read_text() == "5\n"
+    # off at program start, with a zero, and where a file is named without them
+    assert place.run(f'#FILE NAME [MSG="test.log"]\n{writes}') is None
+    assert (place.reports / "test.log").read_text() == "5\n1\n2\n3\n4\n5\n"
+    off = f'#FILE NAME [MSG="b.log" {limits}]\n#FILE NAME [BACKUP_LINES_MAX=0]\n{writes}'
+    assert place.run(off) is None
+    assert not (place.reports / "b1.bak").exists()
+    assert place.entry("#FILE NAME [BACKUP_LINES_MAX=-1 BACKUP_COUNT_MAX=2]") is C.BACKUP_COUNT
 
 
 # -- #FILE EXIST ---------------------------------------------------------------------------------------------------
