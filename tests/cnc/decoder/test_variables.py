@@ -743,6 +743,28 @@ def test_limits_and_status_of_axes() -> None:
     assert run.parameters == pytest.approx({1: -10, 2: 254, 3: -10, 4: 5, 5: 9, 6: 1, 7: 0, 8: 0, 9: 10})
     assert run.value("NAME") == "Y"
     assert refused("P1 = V.A.-SWE.Y", setup=setup) is C.LIMIT_MISSING
+    narrower = "G98 X-5\nG99 Z4\nP1=V.A.-SWE.X P2=V.A.-SWE_MDS.X P3=V.A.+SWE.Z P4=V.A.+SWE.X"
+    assert values(narrower, setup=setup) == {1: -5, 2: -10, 3: 4, 4: 254}
+
+
+def test_offsets_of_axes() -> None:
+    assert values("G92 X10\nG00 X0\nP1=V.A.BZP.X P2=V.A.ABS.X P3=V.A.BZP.Y") == {1: 10, 2: 10, 3: 0}
+
+
+@pytest.mark.spec("isg.var.a-coordinates")
+def test_coordinates_of_mirrored_axes() -> None:
+    asked = "P1=V.G.MIRROR_ACTIVE P2=V.A.MIRROR.X P3=V.A.MIRROR.Y P4=V.A.ABS.X P5=V.A.PROG.X P6=V.A.MENT.X"
+    program = f"G00 X5 Y2\nG21 X5 Y3\n{asked}"
+    assert values(program) == {1: 1, 2: -1, 3: 1, 4: -5, 5: 5, 6: 5}
+
+
+@pytest.mark.spec("isg.var.a-coordinates")
+def test_coordinates_under_a_contour_rotation_are_those_of_the_machine_axes() -> None:
+    program = (
+        "#ROTATION ON [ANGLE=90 CENTER1=10 CENTER2=0]\nG00 X5 Y2\nP1=V.G.ROT_ACTIVE P2=V.G.ROT_ANGLE P3=V.G.ROT_CENTER1\n"
+        "P4=V.G.ROT_CENTER2 P5=V.A.PROG.X P6=V.A.ABS.X P7=V.A.PROG.Y\n#ROTATION OFF\nP8=V.G.ROT_ACTIVE P9=V.G.ROT_ANGLE"
+    )
+    assert values(program) == pytest.approx({1: 1, 2: 90, 3: 10, 4: 0, 5: 8, 6: 8, 7: 5, 8: 0, 9: 0})
 
 
 @pytest.mark.spec("isg.var.a-compensations")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import Reader, variable
 from runtime.cnc.decoder.isg.variables_flags import require_absent
@@ -42,22 +44,21 @@ def virtual(x: Execution, axis: int) -> float:
 # ---------------------------------------------------------------------------------------------------- limits and offsets
 
 
-def _limit(name: str, side: int, meaning: str) -> Reader:
+def _limit(name: str, side: int, configured: bool, meaning: str) -> Reader:
     @variable(f"V.A.{name}.<axis>", _LIMITS, meaning, unit=_LENGTH)
     def limit(x: Execution, axis: int) -> float:
-        limits = x.setup.position_limits
-        value = limits[axis][side] if axis < len(limits) else None
-        if value is None:
+        value = (x.configured_limits if configured else x.soft_limits)[axis][side]
+        if not math.isfinite(value):
             raise CalculationError(catalogue.LIMIT_MISSING, f"V.A.{name}", axis=x.setup.axes[axis])
         return x.shown(axis, value)
 
     return limit
 
 
-_limit("-SWE", 0, "software limit in the negative direction")
-_limit("+SWE", 1, "software limit in the positive direction")
-_limit("-SWE_MDS", 0, "configured software limit in the negative direction")
-_limit("+SWE_MDS", 1, "configured software limit in the positive direction")
+_limit("-SWE", 0, False, "software limit in the negative direction, as G98 has set it")
+_limit("+SWE", 1, False, "software limit in the positive direction, as G99 has set it")
+_limit("-SWE_MDS", 0, True, "configured software limit in the negative direction")
+_limit("+SWE_MDS", 1, True, "configured software limit in the positive direction")
 
 
 @variable("V.A.BZP.<axis>", _LIMITS, "reference point offset (G92)", unit=_LENGTH)
