@@ -35,6 +35,7 @@ KNOWN = {
     "V.G.COORD_SYS_CS_COUNT_DEF": "coordinate systems",
     "V.G.COORD_SYS_COUNT_ALL_DEF": "coordinate systems",
     "V.G.COORD_SYS_COUNT_ALL_ACTIVE": "coordinate systems",
+    "V.G.SELECTED_CS": "coordinate systems",
     "V.G.WCS_POSLIMIT_1": "#GET WCS POSLIMIT",
     "V.G.WCS_POSLIMIT_2": "#GET WCS POSLIMIT",
     "V.G.WCS_POSLIMIT_3": "#GET WCS POSLIMIT",
@@ -73,6 +74,7 @@ KNOWN = {
     "V.G.MAX_TIME_AHEAD": "limits of the decoding ahead",
     "V.G.D_AKT": "tool data",
     "V.G.MEAS_TYPE": "measuring",
+    "V.G.RW": "edge banding",
     "V.G.DIAMETER_PROG.ZERO_OFFSET": "diameter programming",
     # axes (lines 21659–21704)
     "V.A.REF": "homing",
