@@ -45,6 +45,9 @@ class RunningMachine:
     def actual_position(self) -> Floats | None:
         return self._link.actual_position
 
+    def changes_files(self) -> bool:
+        return True
+
     def waits_in_vain(self) -> bool:
         return False
 

@@ -76,7 +76,7 @@ class WordBlocks:
         motion = modal.motion if block.motion < 0 else block.motion
         feed = modal.feeds.get(FeedMode.PER_MINUTE)
         if block.feed >= 0:
-            feed = values[block.feed] * (INCH if modal.inch else 1.0)
+            feed = values[block.feed] * (INCH if modal.inch else 1.0) * x.setup.feed_factor
             if not 0 < feed < math.inf:
                 return False
         if motion > 1 or (motion == 1 and not feed) or x.frames[-1].modal is not None:
@@ -109,6 +109,9 @@ class WordBlocks:
             slots = block.statement
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
             if x.again is None:
+                if block.beside is not None:
+                    added = block.beside
+                    STATEMENTS[added.statement.syntax.name].handler(x, StatementCall(added, values))
                 self.after_block(False)
             return
         x.axis_words = {axis: values[slot] for axis, slot in block.axes}

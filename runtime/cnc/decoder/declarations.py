@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import DeclarationSlots, Values
-from runtime.cnc.language.isg.functions import round_half_up
+from runtime.cnc.language.isg.functions import as_number, round_half_up
 from runtime.diagnostics.catalogue import language as catalogue
 
 _USER = re.compile(r"V\.(P|S|L|CYC)\.([^\[\]]+)(?:\[\])*$")
@@ -26,23 +25,25 @@ def declare(x: Execution, slots: DeclarationSlots, values: Values) -> None:
             raise LineError(catalogue.TYPE_INVALID, word.column, type=word.target)
         if len(given) > 1:
             raise LineError(catalogue.ARRAY_NEEDED, word.column, name="P", given=0)
-        x.parameters[round_half_up(indices[0])] = float(given[0]) if given else 0.0
+        number = round_half_up(indices[0])
+        x.parameter_arrays.delete(str(number))  # declaring makes anew
+        if number not in x.parameters:
+            x.environment.new_parameter(number)
+        x.parameters[number] = as_number(given[0], f"P{number}") if given else 0.0
         return
     if word.name.startswith("P[]"):
         number, *sizes = indices
-        x.parameter_arrays.declare(str(round_half_up(number)), word.target, tuple(sizes), given)
+        name = str(round_half_up(number))
+        x.parameters.pop(int(name), None)
+        if name not in x.parameter_arrays:
+            x.environment.new_parameter(int(name))
+        x.parameter_arrays.declare(name, word.target, tuple(sizes), given)
         return
     match = _USER.match(word.name)
     if match is None:
         hint = "V.P, V.S, V.L, V.CYC and P parameters can be declared"
         raise LineError(catalogue.VARIABLE_UNKNOWN, word.column, name=word.name, hint=hint)
-    own_scope(x, match.group(1)).declare(match.group(2), word.target, indices, given)
-
-
-def own_scope(x: Execution, kind: str) -> Scope:
-    """The scope in which the current level makes its variables of a class."""
-    if kind == "P":
-        return x.program_scope
-    if kind == "S":
-        return x.memory.static
-    return x.frame.local if kind == "L" else x.frame.cycle
+    scope, name = x.own_scope(match.group(1)), match.group(2)
+    scope.declare(name, word.target, indices, given)
+    if match.group(1) == "CYC":
+        x.check_cycle_memory(scope, name)

@@ -113,6 +113,7 @@ class Decoder:
 
     def _blocks(self) -> Iterator[Block]:
         x = self._x
+        repeating = False  # the block is executed once more: nothing came between, the interpolator is where it was
         try:
             while x.frames:
                 frame = x.frames[-1]
@@ -151,9 +152,10 @@ class Decoder:
                 block = x.compiled(unit, entry)
                 if block.skip_level and x.skip_levels() >> (block.skip_level - 1) & 1:
                     continue
-                if block.flush:
+                if block.flush and not repeating:
                     yield from self._flushed(unit, block)
                 self._execute(frame, entry, block)
+                repeating = x.again is not None
                 if x.again is not None:
                     yield from self._handed_over()
                     frame.index, reason, x.again = entry, x.again, None

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from runtime.cnc.decoder.isg.known_variables import purpose_of
 from runtime.cnc.decoder.isg.registry import VARIABLES, Variable
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.errors import CalculationError
@@ -38,6 +39,7 @@ class DecoderEnvironment:
             "known_m": execution.setup.m_numbers,
             "known_h": execution.setup.h_numbers,
             "set_parameter": self._set_parameter,
+            "new_parameter": self.new_parameter,
             "macro": self.macro,
             "macro_length": self._macro_length,
             "macro_content": self._macro_content,
@@ -107,8 +109,7 @@ class DecoderEnvironment:
             if brackets:
                 scope = self._scope(kind)
                 return (lambda value, *indices: scope(name).write_element(name, value, indices)), ValueKind.ANY, False
-            written = self._scope_for_writing(kind)
-            return (lambda value: written(name).write(name, value)), ValueKind.ANY, False
+            return self._scalar_writer(kind, name), ValueKind.ANY, False
         if path.startswith(_EXTERNAL):
             item = self._x.external.item(path, column)
             if not item.writable:
@@ -159,10 +160,10 @@ class DecoderEnvironment:
                 return VARIABLES[f"{head}.{what}"], names.index(last)
             if path.endswith("[]") and f"{path[:-2]}.{what}" in VARIABLES:
                 return VARIABLES[f"{path[:-2]}.{what}"], None
-        for known in VARIABLES:
-            if known.upper() == path.upper():
-                return VARIABLES[known], None
         shown = path.replace("[]", "[..]")
+        purpose = purpose_of(path)
+        if purpose:
+            raise LineError(catalogue.VARIABLE_UNSUPPORTED, column, name=shown, purpose=purpose)
         known_class = any(path.startswith(prefix) for prefix in _CLASSES)
         hint = f"axes: {', '.join(self._x.setup.axes)}" if known_class and f"{head}.<axis>" in VARIABLES else _HINT
         raise LineError(catalogue.VARIABLE_UNKNOWN, column, name=shown, hint=hint)
@@ -201,12 +202,36 @@ class DecoderEnvironment:
             return lambda _name: x.memory.static
         return x.local_scope if kind == "L" else x.cycle_scope
 
-    def _scope_for_writing(self, kind: str) -> Callable[[str], Scope]:
-        return self._scope(kind)
+    def _scalar_writer(self, kind: str, name: str) -> Callable[[object], None]:
+        """Writes a scalar where it is seen; between #VAR and #ENDVAR it is made anew on the level in work."""
+        x, written = self._x, self._scope(kind)
+
+        def write(value: object) -> None:
+            scope = x.own_scope(kind) if x.declaring else written(name)
+            there = name in scope
+            if x.declaring:
+                scope.declare(name, "", (), [value])
+            else:
+                scope.write(name, value)
+            if kind == "CYC" and not there:
+                x.check_cycle_memory(scope, name)
+
+        return write
 
     # ------------------------------------------------------------------ P arrays and macros
 
+    def new_parameter(self, number: int) -> None:
+        """A parameter comes into being; CalculationError if there are too many, or an array has its number."""
+        x = self._x
+        if str(number) in x.parameter_arrays:
+            raise CalculationError(catalogue.ARRAY_NEEDED, f"P{number}", given=0)
+        limit = x.setup.limits.parameters
+        if len(x.parameters) + len(x.parameter_arrays.arrays) >= limit:
+            raise CalculationError(catalogue.VARIABLE_LIMIT, f"P{number}", limit=limit)
+
     def _set_parameter(self, number: int, value: float) -> None:
+        if number not in self._x.parameters:
+            self.new_parameter(number)
         self._x.parameters[number] = functions.as_number(value, f"P{number}")
 
     def _read_parameter_array(self, number: float, *indices: float) -> Any:

@@ -27,7 +27,7 @@ from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.compiler import CompiledBlock, Parameters, Values, compile_block
+from runtime.cnc.language.isg.compiler import CompiledBlock, Values, compile_block
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.index import BlockText, Unit
 from runtime.cnc.language.isg.macros import MACRO_DEPTH
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 COMPILED_BLOCKS = 20_000  # kept at once, some 3 kB each
 RUN = 256  # straight moves that are handed over together
 _QUOTED = re.compile(r'\\?"((?:\\\\.|[^"\\])*)\\?"')
+
+_LEADING_NUMBER = re.compile(r"[ \t]*(?:/[ \t]*\d*)?[ \t]*[Nn][ \t]*(\d+)(?![\d.*/+-])")
 
 _vocabularies: dict[bool, Vocabulary] = {}
 
@@ -77,8 +79,13 @@ class Execution:
         if setup.feed > 0:
             self.modal.feed = setup.feed
         self.coordinates = Coordinates.at(start)
-        self.parameters = Parameters()
-        self.parameter_arrays = Scope("P", setup.limits.parameters)
+        if memory.zero_default:  # V.G.NP_DEFAULT
+            self.modal.zero_offset = memory.zero_default
+            chosen = memory.zero_offsets[memory.zero_default] * memory.zero_enabled[memory.zero_default]
+            self.coordinates.offsets.zero = [float(offset) for offset in chosen]
+            self.coordinates.update()
+        self.parameters = memory.start_parameters(setup)
+        self.parameter_arrays = memory.start_arrays(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
         self.frames: list[Frame] = []
         self.out: list[Block] = []
@@ -108,6 +115,8 @@ class Execution:
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
         self.block_number = 0  # last N
+        self.spindle_command = 5  # last of M3, M4, M5
+        self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.state: dict[str, Any] = {}  # of functions that keep something of their own, by the name of their module
         self._run: list[list[float]] = []
@@ -210,6 +219,13 @@ class Execution:
 
     # ------------------------------------------------------------------ the block in work
 
+    def source_in_work(self) -> Source:
+        """Where the block in work stands; for what is put out while its values are computed, before its N word is."""
+        if self.block is None:
+            return self.source
+        match = _LEADING_NUMBER.match(self.block.text)
+        return Source(self.unit.name, self.block.source.line, int(match.group(1)) if match else None)
+
     def place(self, column: int) -> tuple[int, int, str]:
         """Line, column and text of a column of the block in work."""
         return self.block.source.place(column) if self.block is not None else (self.source.line, column, "")
@@ -281,6 +297,21 @@ class Execution:
     def cycle_scope(self, name: str) -> Scope:
         """The innermost level that has this V.CYC variable; the current one if none has."""
         return next((frame.cycle for frame in reversed(self.frames) if name in frame.cycle), self.frame.cycle)
+
+    def own_scope(self, kind: str) -> Scope:
+        """The scope in which the level in work makes its variables of a class: P, S, L or CYC."""
+        if kind == "P":
+            return self.program_scope
+        if kind == "S":
+            return self.memory.static
+        return self.frame.local if kind == "L" else self.frame.cycle
+
+    def check_cycle_memory(self, scope: Scope, name: str) -> None:
+        """A V.CYC variable was made in `scope`: CalculationError, and it goes again, if all of them take too much."""
+        limit = self.setup.limits.cycle_memory
+        if sum(frame.cycle.bytes for frame in self.frames) > limit:
+            scope.delete(name)
+            raise CalculationError(catalogue.CYCLE_MEMORY, f"V.CYC.{name}", limit=limit)
 
     def _transfer(self, number: float) -> tuple[dict[int, float | str], int]:
         index = round_half_up(number)

@@ -6,6 +6,7 @@ block of its own in the stream, reading it lets the preparation come into step f
 
 from __future__ import annotations
 
+import itertools
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -76,10 +77,20 @@ class ExternalItem:
         """At once, or in the stream if the variable is synchronous."""
         entry, offset = self.entry, self.place(indices)
         kind = Type("STRING", entry.size - 1) if entry.kind == "STRING" else Type(entry.kind)
-        fitting = kind.converted(value, entry.path)
-        if entry.synchronous:
+        self._put(offset, kind.converted(value, entry.path), entry.synchronous)
+
+    def clear(self, indices: tuple[float, ...], synchronous: bool) -> None:
+        """Set every element whose first indices are given to zero; in the stream if `synchronous`."""
+        entry = self.entry
+        kind: float | str = "" if entry.kind == "STRING" else 0.0
+        for rest in itertools.product(*(range(count) for count in entry.dims[len(indices) :])):
+            self._put(self.place((*indices, *map(float, rest))), kind, synchronous)
+
+    def _put(self, offset: int, fitting: float | str, synchronous: bool) -> None:
+        entry = self.entry
+        if synchronous:
             x = self.execution
-            x.emit(ExternalWrite(x.source, offset, entry.kind, entry.size, fitting))
+            x.emit(ExternalWrite(x.source_in_work(), offset, entry.kind, entry.size, fitting))
             return
         put(self.outside.external, offset, entry.kind, entry.size, fitting)
 
@@ -117,6 +128,8 @@ class ExternalVariables:
         item = self._items.get(path)
         if item is None:
             shown = path.replace("[]", "[..]")
+            if any(name.startswith(f"{path}[") for name in self._items):
+                raise LineError(catalogue.ARRAY_NEEDED, column, name=path, given=0)
             known = ", ".join(sorted({name.split(".")[2].split("[")[0] for name in self._items})) or "none"
             raise LineError(
                 catalogue.VARIABLE_UNKNOWN, column, name=shown, hint=f"configured external variables: {known}"

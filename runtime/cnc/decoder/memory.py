@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -11,7 +13,17 @@ from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
 
+TIMERS = 128  # counters of #TIMER (line 15524)
 ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
+
+
+@dataclass(slots=True)
+class ReportCount:
+    """Writes to the report file since its last backup, and the number of that backup."""
+
+    path: Path | None = None
+    lines: int = 0
+    backup: int = 0
 
 
 class ChannelMemory:
@@ -34,9 +46,24 @@ class ChannelMemory:
         self.macro_version = 0
         self.m_synch: dict[int, Synch] = dict(setup.m_synch)
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
+        self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
+        self.report = ReportCount()
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
-        self.report_lines = 0
-        self.report_backups = 0
+        self.parameter_arrays: Scope | None = None
+
+    def start_parameters(self, setup: DecoderSetup) -> Parameters:
+        """The P parameters that a program starts with: those of the one before it, or none (P-CHAN-00067)."""
+        if not setup.keep_parameters:
+            return Parameters()
+        if self.parameters is None:
+            self.parameters = Parameters()
+        return self.parameters
+
+    def start_arrays(self, setup: DecoderSetup) -> Scope:
+        """The P arrays that a program starts with."""
+        if self.parameter_arrays is None or not setup.keep_parameters:
+            self.parameter_arrays = Scope("P", setup.limits.parameters)
+        return self.parameter_arrays
 
     def define_macro(self, name: str, content: str) -> None:
         """Define a macro of a program."""

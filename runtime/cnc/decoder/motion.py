@@ -39,6 +39,7 @@ def dwell(x: Execution, block: CompiledBlock, values: Values) -> None:
         return
     if x.modal.speed <= 0:
         raise LineError(catalogue.DWELL_SPEED, block.column(WordKind.DWELL))
+    x.dwell_revolutions = value
     x.emit(Dwell(x.source, value / x.modal.speed * 60.0))
 
 

@@ -48,6 +48,9 @@ class Outside(Protocol):
     def latched(self, timer: int) -> int:
         """The count in ms that the last READ on the path has found; holds as the positions do."""
 
+    def changes_files(self) -> bool:
+        """Report files are written, files renamed and deleted; a check leaves all files as they are."""
+
     def waits_in_vain(self) -> bool:
         """Nobody will ever change what the decoder waits for (no machine there): waiting ends at once."""
 
@@ -91,6 +94,9 @@ class Offline:
 
     def latched(self, timer: int) -> int:
         return 0
+
+    def changes_files(self) -> bool:
+        return False
 
     def waits_in_vain(self) -> bool:
         return True

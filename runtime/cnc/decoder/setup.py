@@ -19,6 +19,7 @@ from runtime.hli.external import ExternalEntry, directory_of
 
 ZERO_OFFSETS = range(53, 60)
 CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
+CYCLE_MEMORY = 8000  # bytes for V.CYC without P-CHAN-00418 (line 1313)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
 
 _FLAGS = int(Synch.PLC_INFO)
@@ -108,7 +109,7 @@ class Limits:
     macros: int = 1000
     macro_name: int = 30
     macro_content: int = 200
-    cycle_memory: int = 0  # bytes for V.CYC (P-CHAN-00418)
+    cycle_memory: int = CYCLE_MEMORY  # bytes for V.CYC, with what P-CHAN-00418 adds
     names: int = 1000  # string labels that are kept
     numbers: int = 1000  # expression labels that are kept
 
@@ -152,6 +153,9 @@ class DecoderSetup:
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
     external: tuple[ExternalEntry, ...] = ()
+    channel_number: int = 1  # V.G.CNC_CHANNEL
+    log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
+    log_spindles: tuple[int, ...] = ()  # of the spindles
     limits: Limits = Limits()
 
     @classmethod
@@ -178,6 +182,11 @@ class DecoderSetup:
         axes = [machine.axes[machine.axis_index(axis)] for axis in described.axes]
         return cls(
             axes=described.axes,
+            channel_number=channel + 1,
+            log_axes=tuple(axis.log_axis for axis in axes),
+            log_spindles=tuple(
+                machine.axes[machine.axis_index(spindle.bezeichnung)].log_axis for spindle in parameters.spindel
+            ),
             axis_velocity=tuple(axis.velocity for axis in axes),
             position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
@@ -212,7 +221,7 @@ class DecoderSetup:
                 macros=parameters.configuration.decoder.macro_number,
                 macro_name=parameters.configuration.decoder.macro_symbol_len,
                 macro_content=parameters.configuration.decoder.macro_nc_code_len,
-                cycle_memory=parameters.configuration.decoder.var_memory,
+                cycle_memory=CYCLE_MEMORY + parameters.configuration.decoder.var_memory,
                 names=parameters.configuration.decoder.string_label_number,
                 numbers=parameters.configuration.decoder.expression_label_number,
             ),

@@ -79,7 +79,7 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
         if number in SPINDLE_M:
             if spindle_m >= 0:
                 raise LineError(catalogue.SPINDLE_M_TWICE, slots.word.column, number=number, other=spindle_m)
-            spindle_m = number
+            spindle_m = x.spindle_command = number
             _spindle(functions, setup.spindles[0].m[number], number, modal, source, slots.word.column)
     if block.speed >= 0 and spindle_m < 0:  # with a spindle M function, only the synchronisation of that one counts
         _spindle(functions, setup.spindles[0].s, 0, modal, source, block.column(WordKind.SPEED))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,7 @@ _INTEGERS = {
     "SGN32": (-(2**31), 2**31 - 1),
     "UNS32": (0, 2**32 - 1),
 }
+_BYTES = {"BOOLEAN": 1, "08": 1, "16": 2, "32": 4, "64": 8}  # by the last letters of the name
 _STRING = re.compile(r"STRING(?:\[(\d+)\])?$")
 
 
@@ -54,12 +56,21 @@ class Type:
         return cls(text)
 
     @property
+    def bytes(self) -> int:
+        """What a value takes in the memory of V.CYC variables; a string with the zero behind it."""
+        if self.name == "STRING":
+            return self.length + 1
+        return _BYTES.get(self.name) or _BYTES[self.name[-2:]]
+
+    @property
     def initial(self) -> float | str:
         """What a variable holds without an initial value."""
         return "" if self.name == "STRING" else 0.0
 
     def converted(self, value: object, name: str) -> float | str:
         """`value` as the type holds it: whole numbers rounded, halves upward. CalculationError if it does not fit."""
+        if isinstance(value, np.ndarray):
+            raise CalculationError(catalogue.SETS_MIXED, name)
         if self.name == "STRING":
             if not isinstance(value, str):
                 raise CalculationError(catalogue.NUMBER_NOT_ALLOWED, name, what=name)
@@ -155,7 +166,7 @@ class Scope:
     def missing(self, name: str) -> CalculationError:
         return CalculationError(catalogue.VARIABLE_UNSET, self.prefix + name, name=self.prefix + name)
 
-    def declare(self, name: str, type_text: str, dimensions: tuple[float, ...], values: list[object]) -> None:
+    def declare(self, name: str, type_text: str, dimensions: tuple[float, ...], values: Sequence[object]) -> None:
         """Make a variable anew: a scalar, or an array with its initial values row by row, the rest at the initial value."""
         kind = Type.of(type_text)
         full = self.prefix + name
@@ -180,6 +191,12 @@ class Scope:
         elements: list[float | str] = [kind.converted(value, full) for value in values]
         elements += [kind.initial] * (count - len(elements))
         self.arrays[name] = Array(kind, sizes, elements)
+
+    @property
+    def bytes(self) -> int:
+        """What all variables take together."""
+        scalars = sum(kind.bytes for kind in self.types.values())
+        return scalars + sum(array.type.bytes * len(array.elements) for array in self.arrays.values())
 
     def delete(self, name: str) -> bool:
         """Remove a variable; whether there was one."""

@@ -428,6 +428,139 @@ CORNER_WITHOUT_MOTION = ErrorEntry(
     300109, "a chamfer or rounding needs the motion that it belongs to", reaction=Reaction.STOP_AT_BLOCK_END
 )
 
+# -- variables, macros and strings ---------------------------------------------------------------------------------
+
+VARIABLE_UNSUPPORTED = ErrorEntry(
+    300200, "variable {name} ({purpose}) is not supported yet", reaction=Reaction.STOP_AT_BLOCK_END
+)
+SETS_MIXED = ErrorEntry(
+    300201,
+    "{name}: whole sets of values (.ALL) cannot be combined with single values",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="only + and - between sets; change single axes in an assignment of their own",
+    source="programming manual line 4690",
+)
+SET_INDEX = ErrorEntry(
+    300202,
+    "index {value:.9g} of {name} is not between {first} and {last}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+CYCLE_MEMORY = ErrorEntry(
+    300203,
+    "{name} does not fit into the {limit} bytes of the V.CYC variables",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="delete some, or raise configuration.decoder.var_memory",
+    source="P-CHAN-00418",
+)
+SYNCH_VALUE = ErrorEntry(
+    300204,
+    "{name}: {value} is no synchronisation type that can be used",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="P-CHAN-00041",
+)
+FUNCTION_NOT_CONFIGURED = ErrorEntry(
+    300205,
+    "{name}: {letter}{number} is not configured",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="give {letter}{number} a synchronisation type in the channel parameters",
+)
+PRE_OUTPUT = ErrorEntry(
+    300206,
+    "{name}: {letter}{number} is put out without a distance or time in front",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 21372",
+)
+VERSION_FORM = ErrorEntry(
+    22015,
+    "{text!r} is no program version",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write <major>.<minor>.<build>.<patch>, each 0 to 255",
+    source="programming manual line 21557",
+)
+FUNCTION_UNSUPPORTED = ErrorEntry(300208, "{function} is not supported: {reason}")
+G_NUMBER = ErrorEntry(
+    300209, "the number of a G function is a plain number, not {text!r}", remedy="write the number itself"
+)
+
+LIMIT_MISSING = ErrorEntry(
+    300229, "{name}: axis {axis} has no such software limit", reaction=Reaction.STOP_AT_BLOCK_END
+)
+
+# -- messages, errors, timers --------------------------------------------------------------------------------------
+
+MESSAGE_MARKS = ErrorEntry(
+    300210,
+    "{statement} has {marks} format elements, but {values} values",
+    remedy="a percent sign itself is written %%",
+    source="programming manual line 13403",
+)
+MESSAGE_VALUES = ErrorEntry(300211, "{statement} takes at most {limit} values", source="programming manual line 13403")
+MESSAGE_MARK = ErrorEntry(
+    300212, "{mark!r} is no format element", remedy="format elements: %d, %u, %f, %s, and %% for a percent sign"
+)
+MESSAGE_VALUE = ErrorEntry(
+    300213,
+    "{mark} of {statement} takes {wanted}, not {given}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 13395",
+)
+MESSAGE_MODE = ErrorEntry(
+    300214,
+    "{word} cannot stand here in {statement}",
+    remedy="written as: {syntax}",
+    source="programming manual line 13327",
+)
+ERROR_VALUE = ErrorEntry(
+    300215,
+    "{key} of #ERROR is {value}, allowed is {allowed}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 15348",
+)
+TIMER_NUMBER = ErrorEntry(
+    300216,
+    "#TIMER has no counter {value:.9g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="counters are 0 to {last}, and one of them is named: ID=..",
+    source="programming manual line 15524",
+)
+
+# -- files ---------------------------------------------------------------------------------------------------------
+
+FILE_OUTSIDE = ErrorEntry(
+    300220,
+    "file {file!r} lies outside the folders of the channel",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="programs reach files in: {folders}",
+)
+FILE_NAME_INVALID = ErrorEntry(300221, "{file!r} is no file name", reaction=Reaction.STOP_AT_BLOCK_END)
+FILE_NOT_FOUND = ErrorEntry(300222, "file {file!r} not found in: {folders}", reaction=Reaction.STOP_AT_BLOCK_END)
+FILE_TARGET_FOLDER = ErrorEntry(
+    300223, "folder of the new file {file!r} does not exist", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FILE_THERE = ErrorEntry(
+    300224,
+    "file {file!r} exists already",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="OVRMODE=1 allows to overwrite it",
+)
+FILE_IN_USE = ErrorEntry(300225, "file {file!r} belongs to the running program", reaction=Reaction.STOP_AT_BLOCK_END)
+FILE_PROTECTED = ErrorEntry(
+    21627,
+    "file {file!r} is protected against writing",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 16264",
+)
+FILE_REFUSED = ErrorEntry(
+    300226,
+    "file {file!r}: {reason}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check the access rights of its folder",
+)
+OVERWRITE_MODE = ErrorEntry(300227, "OVRMODE is 0 or 1, not {value:.9g}", reaction=Reaction.STOP_AT_BLOCK_END)
+BACKUP_COUNT = ErrorEntry(
+    300228, "{key} is {value:.9g}: a whole number from 0 on is needed", reaction=Reaction.STOP_AT_BLOCK_END
+)
+
 # -- corners and contour lines -------------------------------------------------------------------------------------
 
 CORNER_SIZE = ErrorEntry(

@@ -10,9 +10,18 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.block_json import Row, rows
-from runtime.cnc.blocks import Block, Synch
-from runtime.cnc.decoder import Decoder, DecoderSetup, ProgramError, SpindleSetup, load_program
+from runtime.cnc.blocks import Block, Hold, Synch
+from runtime.cnc.decoder import (
+    ChannelMemory,
+    Decoder,
+    DecoderSetup,
+    Outside,
+    ProgramError,
+    SpindleSetup,
+    load_program,
+)
 from runtime.diagnostics.errors import ErrorEntry, Problem
+from tests.cnc.decoder.scripted_outside import Machine
 
 SETUP = DecoderSetup(
     axes=("X", "Y", "Z"),
@@ -56,6 +65,10 @@ class Run:
         """Ends of all motions in machine coordinates."""
         return [list(to.values()) for row in self.rows if isinstance(to := row.get("to"), dict)]
 
+    def value(self, variable: str) -> object:
+        """A V.P variable at the end."""
+        return self.decoder.execution.program_scope.read(variable)
+
     @property
     def parameters(self) -> dict[int, float]:
         return self.decoder.parameters
@@ -68,23 +81,39 @@ def decode(
     start: tuple[float, ...] = (0.0, 0.0, 0.0),
     skip: int | Callable[[], int] = 0,
     idle_limit: int | None = 100_000,
+    outside: Outside | None = None,
+    memory: ChannelMemory | None = None,
+    name: str = "test.nc",
 ) -> Run:
-    """Decode a program; an error of the decoder ends the blocks, an error of the check is raised."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    """Decode a program; an error of the decoder ends the blocks, an error of the check is raised.
+
+    `outside` is the machine around, `memory` what an earlier program has left.
+    """
+    with tempfile.TemporaryDirectory() as directory:
+        folder = Path(directory)
         for file, content in (files or {}).items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_text(content)
-        path = folder / "test.nc"
+        path = folder / name
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
         program = load_program(path, setup)
         levels = skip if callable(skip) else (lambda: skip)
-        decoder = Decoder(program, setup, start=np.array(start), skip_levels=levels, idle_limit=idle_limit)
+        decoder = Decoder(
+            program,
+            setup,
+            start=np.array(start),
+            memory=memory,
+            outside=outside,
+            skip_levels=levels,
+            idle_limit=idle_limit,
+        )
         blocks: list[Block] = []
         problem = None
         try:
             for block in decoder.blocks():
-                blocks.append(block)  # noqa: PERF402 - keeps what came before an error
+                blocks.append(block)
+                if isinstance(block, Hold) and isinstance(outside, Machine):
+                    outside.each_hold(outside)
         except ProgramError as error:
             problem = error.problem
         finally:

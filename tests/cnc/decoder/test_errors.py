@@ -57,8 +57,8 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
     ("X1 $IF 1\nM30", C.CONTROL_PLACE, 1, 4),
     ("$FOR P1 = 1, 2\nM30", C.CONTROL_INCOMPLETE, 1, 15),
     ("N5 #CS ON[1,2]\nM30", C.NOT_SUPPORTED, 1, 4),
-    ("X[V.A.ABS.X]\nM30", C.NOT_SUPPORTED, 1, 3),
-    ('"MACRO"\nM30', C.NOT_SUPPORTED, 1, 1),
+    ("X[V.A.MERF.X]\nM30", C.VARIABLE_UNSUPPORTED, 1, 3),
+    ("X[V.A.NONE.X]\nM30", C.VARIABLE_UNKNOWN, 1, 3),
     ("$GOTO N10\nM30", C.NOT_SUPPORTED, 1, 1),
     ("N10: X1\nM30", C.NOT_SUPPORTED, 1, 4),
     ("X10 \\\nY10\nM30", C.NOT_SUPPORTED, 1, 5),
@@ -174,7 +174,7 @@ def test_all_faulty_lines_are_told_but_not_more_than_twenty() -> None:
 
 
 def test_a_faulty_loop_is_told_once() -> None:
-    assert [entry for entry, _, _ in found("$WHILE V.G.X\nX1\n$ENDWHILE\nM30")] == [C.NOT_SUPPORTED]
+    assert [entry for entry, _, _ in found("$WHILE V.G.X\nX1\n$ENDWHILE\nM30")] == [C.VARIABLE_UNKNOWN]
 
 
 def test_spindle_words_without_a_spindle() -> None:

@@ -135,7 +135,11 @@ class StatementCall:
 
     def words(self) -> list[str]:
         """The words in front of the bracket."""
-        return [argument.text for argument, value in self if not argument.name and value is None]
+        return [argument.text for argument, value in self if not argument.name and value is None and argument.text]
+
+    def values(self) -> list[tuple[Argument, Any]]:
+        """The arguments in the bracket of a message, with their values: the text first."""
+        return [(argument, value) for argument, value in self if argument.name]
 
     def axes(self) -> dict[int, float | None]:
         """Axis words: channel index → value."""
@@ -146,7 +150,7 @@ class StatementCall:
         argument = self.argument(key)
         return argument.column if argument else self.column
 
-    def error(self, entry: ErrorEntry, key: str = "", **values: object) -> LineError:
+    def error(self, entry: ErrorEntry, key: str = "", /, **values: object) -> LineError:
         """An error at the place of a key."""
         return LineError(entry, self.columns(key) if key else self.column, **values)
 

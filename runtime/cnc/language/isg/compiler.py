@@ -46,6 +46,10 @@ def parameter_number(value: float) -> int:
     return functions.round_half_up(value)
 
 
+def _new_parameter(number: int) -> None:
+    """Told before a parameter comes into being; a channel replaces it by its own limit."""
+
+
 def _check_assigned(value: float, number: int) -> None:
     if not abs(value) <= NUMBER_LIMIT:
         raise CalculationError(catalogue.RESULT_RANGE, f"P{number}", value=value)
@@ -75,6 +79,7 @@ NAMES: Mapping[str, object] = {
         )
     },
     "check_assigned": _check_assigned,
+    "new_parameter": _new_parameter,
 }
 
 
@@ -214,6 +219,7 @@ class _Emitter:
         self.lines += [
             f"n, v = {target}, {source}",
             f"if not -{NUMBER_LIMIT!r} <= v <= {NUMBER_LIMIT!r}: check_assigned(v, n)",
+            "if n not in p: new_parameter(n)",
             "p[n] = v",
         ]
 

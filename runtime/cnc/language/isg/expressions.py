@@ -8,11 +8,12 @@ nothing.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Sequence
 from dataclasses import replace
 
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.functions import BIT_MAX, FUNCTIONS
+from runtime.cnc.language.isg.functions import BIT_MAX, FUNCTIONS, UNSUPPORTED, divide, power
 from runtime.cnc.language.isg.words import Expression, ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
 
@@ -68,11 +69,26 @@ def text(content: str) -> Expression:
     return Expression(repr(content), kind=ValueKind.STRING)
 
 
+def literal_text(expression: Expression) -> str | None:
+    """The text of a string literal, None for anything else."""
+    if expression.kind is not ValueKind.STRING or expression.source[0] not in "'\"":
+        return None
+    return str(ast.literal_eval(expression.source))
+
+
+def computed(expression: Expression) -> float:
+    """The value of an expression of plain numbers with + - * / **; CalculationError if it has none."""
+    return float(eval(expression.source, {"divide": divide, "power": power}))
+
+
 def number(expression: Expression, what: str, column: int) -> Expression:
     """The expression where only a number makes sense: refused if it is a string, tested at execution if that is open."""
     if expression.kind is ValueKind.NUMBER:
         return expression
     if expression.kind is ValueKind.STRING:
+        name = literal_text(expression)
+        if name is not None:  # the name of a macro that does not exist, most likely
+            raise LineError(catalogue.MACRO_UNDEFINED, column, name=name)
         raise LineError(catalogue.STRING_NOT_ALLOWED, column, what=what)
     return _join(column, TIGHT, "as_number(", expression, f", {what!r})")
 
@@ -130,6 +146,8 @@ def call(name: str, arguments: Sequence[Expression], column: int) -> Expression:
     """A function of the table."""
     name = name.upper()
     function = FUNCTIONS.get(name)
+    if name in UNSUPPORTED:
+        raise LineError(catalogue.FUNCTION_UNSUPPORTED, column, function=name, reason=UNSUPPORTED[name])
     if function is None:
         raise LineError(catalogue.FUNCTION_UNKNOWN, column, function=name)
     if not function.least <= len(arguments) <= function.most:

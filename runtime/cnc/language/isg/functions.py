@@ -35,6 +35,13 @@ class Function:
 
 
 FUNCTIONS: dict[str, Function] = {}
+
+# Functions of the manual that cannot be had, and why (lines 1597–1633).
+UNSUPPORTED = {
+    "ENCRYPT": "the manual does not tell its method, and what it makes could not be read elsewhere",
+    "BLANK_HAS_KEY": "there are no blanks of a scene (#SCENE ADD)",
+    "BLANK_VALUE_OF_KEY": "there are no blanks of a scene (#SCENE ADD)",
+}
 Call = TypeVar("Call", bound=Callable[..., float | str])
 _NUMBER, _STRING, _ANY = ValueKind.NUMBER, ValueKind.STRING, ValueKind.ANY
 MANY = 1000  # arguments of a function that takes any number of them
@@ -146,6 +153,8 @@ def as_number(value: object, what: str) -> float:
     """The value if it is a number."""
     if isinstance(value, float):
         return value
+    if isinstance(value, np.ndarray):
+        raise CalculationError(catalogue.SETS_MIXED, what)
     raise CalculationError(catalogue.STRING_NOT_ALLOWED, what, what=what)
 
 
@@ -153,6 +162,8 @@ def as_string(value: object, what: str) -> str:
     """The value if it is a string."""
     if isinstance(value, str):
         return value
+    if isinstance(value, np.ndarray):
+        raise CalculationError(catalogue.SETS_MIXED, what)
     raise CalculationError(catalogue.NUMBER_NOT_ALLOWED, what, what=what)
 
 
@@ -164,7 +175,7 @@ def add(a: object, b: object) -> object:
         return a + b
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return a + b
-    raise CalculationError(catalogue.KINDS_MIXED, "+", operator="+")
+    raise _mixed(a, b, "+")
 
 
 def subtract(a: object, b: object) -> object:
@@ -173,7 +184,13 @@ def subtract(a: object, b: object) -> object:
         return a - b
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return a - b
-    raise CalculationError(catalogue.KINDS_MIXED, "-", operator="-")
+    raise _mixed(a, b, "-")
+
+
+def _mixed(a: object, b: object, sign: str) -> CalculationError:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return CalculationError(catalogue.SETS_MIXED, sign)
+    return CalculationError(catalogue.KINDS_MIXED, sign, operator=sign)
 
 
 _ORDER: dict[str, Callable[[Any, Any], bool]] = {
@@ -190,7 +207,7 @@ def compare(a: object, sign: str, b: object) -> float:
     """Comparison of two numbers or two strings, the latter in the order of their characters."""
     if (isinstance(a, float) and isinstance(b, float)) or (isinstance(a, str) and isinstance(b, str)):
         return float(_ORDER[sign](a, b))
-    raise CalculationError(catalogue.KINDS_MIXED, sign, operator=sign)
+    raise _mixed(a, b, sign)
 
 
 # -- numbers -------------------------------------------------------------------------------------------------------

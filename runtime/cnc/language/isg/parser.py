@@ -9,10 +9,11 @@ from importlib import resources
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 
 from runtime.cnc.language.addresses import Addresses
+from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.comments import LineError, blank_comments
 from runtime.cnc.language.isg.environment import Access, Environment
-from runtime.cnc.language.isg.macros import define_and_replace
+from runtime.cnc.language.isg.macros import define_and_replace, g_expressions
 from runtime.cnc.language.isg.numeric_blocks import numeric_block
 from runtime.cnc.language.isg.statements import StatementParser, beside_words, statement_at
 from runtime.cnc.language.isg.syntax import Group, GSyntax, Values, Vocabulary
@@ -195,7 +196,8 @@ class _Builder(Transformer[Token, ParsedBlock]):
         return Expression(f"(1.0 if macro({unquoted(macro)!r}) is not None else 0.0)")
 
     def size(self, name: Token, place: _Path, dimension: Expression | None) -> Expression:
-        path, given = place.path, ()
+        path = place.path
+        given: tuple[Expression, ...] = ()
         if place.number is not None:
             path, given = "P[]", (place.number,)
         elif path.startswith("P[]"):
@@ -423,13 +425,18 @@ class BlockParser:
         """The block by the grammars alone, without the rules between its words."""
         macros: tuple[tuple[str, str], ...] = ()
         if '"' in blanked:
-            macros, blanked = define_and_replace(blanked, self.environment)
+            macros, replaced = define_and_replace(blanked, self.environment)
+            blanked = self._g_numbers(replaced) if replaced != blanked else blanked
         at = statement_at(blanked)
         if at is not None:
             head = self._by_lark(blanked[: at.start], "head")
             assert isinstance(head, ParsedBlock)
-            statement = self._statements.parse(blanked, at)
-            return ParsedBlock((), None, statement, head.number, head.skip_level, head.label, macros)
+            alone, beside = beside_words(blanked)
+            if beside is not None and not beside.adds:
+                alone, beside = blanked, None
+            statement = self._statements.parse(alone, at)
+            added = self._statements.parse(beside.text, beside.at) if beside is not None else None
+            return ParsedBlock((), None, statement, head.number, head.skip_level, head.label, macros, added)
         blanked, beside = beside_words(blanked)
         addition: ParsedStatement | None = None
         if beside is not None:
@@ -441,6 +448,18 @@ class BlockParser:
                 parsed.words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
             )
         return parsed
+
+    def _g_numbers(self, text: str) -> str:
+        """A block with macros in it, expressions of plain numbers behind G computed (line 26085)."""
+        for match in reversed(list(g_expressions(text))):
+            try:
+                number = expressions.computed(self.expression(match.group(1), match.start(1) + 1))
+            except CalculationError as error:
+                raise LineError(error.entry, match.start() + 1, **error.values) from None
+            if not number.is_integer() or number < 0:
+                raise LineError(catalogue.G_NUMBER, match.start() + 1, text=match.group(1))
+            text = f"{text[: match.start(1)]}{int(number)}{text[match.end(1) :]}"
+        return text
 
     def expression(self, text: str, column: int) -> Expression:
         """An expression alone; `column` is the place of its first character in the block."""

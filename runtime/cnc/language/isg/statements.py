@@ -25,7 +25,7 @@ _START = re.compile(
     r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(#)|((?<![A-Za-z0-9_.])LL?[ \t]+(?:CYCLE|SEQUENCE)(?=[ \t]*\[))", re.IGNORECASE
 )
 _INLINE = re.compile(r"#(?:ANG|CANG|CHR|CHF|RND|FRC|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
-_BESIDE = re.compile(r"#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
+_BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_]))", re.IGNORECASE)
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
@@ -41,6 +41,7 @@ class Beside(NamedTuple):
 
     text: str
     at: StatementStart
+    adds: bool  # #ADD
 
 
 def statement_at(text: str) -> StatementStart | None:
@@ -59,16 +60,17 @@ def statement_at(text: str) -> StatementStart | None:
 
 def beside_words(text: str) -> tuple[str, Beside | None]:
     """Block text without #ADD or #SUPPRESS OFFSETS, and that statement if there is one."""
-    match = _BESIDE.search(text)
+    match = next((found for found in _BESIDE.finditer(text) if found.group(1)), None)
     if match is None:
         return text, None
     end = len(text)
-    if "ADD" not in match.group().upper():  # the axis words behind it belong to the block
+    adds = "ADD" in match.group().upper()
+    if not adds:  # the axis words behind it belong to the block
         bracket = re.compile(r"[ \t]*\[[^\]]*\]").match(text, match.end())
         end = bracket.end() if bracket else match.end()
     blank = " " * (end - match.start())
     alone = " " * match.start() + text[match.start() : end]
-    return text[: match.start()] + blank + text[end:], Beside(alone, StatementStart(match.start(), True))
+    return text[: match.start()] + blank + text[end:], Beside(alone, StatementStart(match.start(), True), adds)
 
 
 class StatementParser:

@@ -16,12 +16,12 @@ _UNSUPPORTED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"#\s*([A-Za-z]+(?:[ _]+[A-Za-z]+)*)"), "statement #{0}"),
     (re.compile(r"#"), "statement #"),
     (re.compile(r"(V\.[A-Za-z0-9_.@+-]*)"), "variable {0}"),
-    (re.compile(r'"'), "macro or string"),
     (re.compile(r"(@\w*)"), "cycle parameter {0}"),
     (re.compile(r"\\"), "line continuation \\"),
     (re.compile(r":"), "label"),
     (re.compile(r"[Rr]\s*1?(?=[^\w=]|$)"), "reading the circle radius R"),
 )
+_QUOTED = re.compile(r'"((?:\\.|[^"\\])*)"?')
 _ADDRESSES_TO_COME = "DdEeOo"
 _CONTROLS_TO_COME = frozenset(
     ("SWITCH", "CASE", "DEFAULT", "ENDSWITCH", "DO", "ENDDO", "REPEAT", "UNTIL", "BREAK", "CONTINUE", "GOTO")
@@ -48,6 +48,9 @@ def explain(text: str, error: UnexpectedInput, addresses: Addresses) -> LineErro
         return LineError(catalogue.VALUE_MISSING, len(text.rstrip()) or 1, address=_before(text))
     if rest[0] == "$":
         return _control(rest, column)
+    quoted = _QUOTED.match(rest)
+    if quoted:
+        return LineError(catalogue.MACRO_UNDEFINED, column, name=quoted.group(1))
     for pattern, what in _UNSUPPORTED:
         match = pattern.match(rest)
         if match and (wants_value or what != "reading the circle radius R"):

@@ -1,0 +1,110 @@
+"""Variables of the manual that this version does not have: what is written with them is told as such, and not as unknown.
+
+A name stands for itself and everything below it (V.G.WZ for V.G.WZ[1].R). The text says what it belongs to.
+"""
+
+from __future__ import annotations
+
+import re
+
+_STEM = re.compile(r"[.\[]")
+
+KNOWN = {
+    # tools (programming manual lines 21099–21177)
+    "V.G.WZ": "tool data",
+    "V.G.WZ_AKT": "tool data",
+    "V.G.WZR": "tool data",
+    "V.G.WZL": "tool data",
+    "V.TOOL": "tool identification",
+    "V.TLM": "tool life",
+    "V.G.TOOL_COMP": "tool compensation",
+    "V.G.TOOL_LIST_INVOKE": "tool list",
+    "V.G.LIMIT.KIN": "limits of the tool centre point",
+    # coordinate systems and kinematics (lines 21190–21314, 21453–21458)
+    "V.G.BCS_COUNT_DEF": "coordinate systems",
+    "V.G.BCS_COUNT_FREE_DEF": "coordinate systems",
+    "V.G.BCS_COUNT_ACTIVE": "coordinate systems",
+    "V.G.ACS_COUNT_DEF": "coordinate systems",
+    "V.G.ACS_COUNT_FREE_DEF": "coordinate systems",
+    "V.G.ACS_COUNT_ACTIVE": "coordinate systems",
+    "V.G.CS_COUNT_DEF": "coordinate systems",
+    "V.G.CS_COUNT_FREE_DEF": "coordinate systems",
+    "V.G.CS_COUNT_ACTIVE": "coordinate systems",
+    "V.G.COORD_SYS_BCS_COUNT_DEF": "coordinate systems",
+    "V.G.COORD_SYS_ACS_COUNT_DEF": "coordinate systems",
+    "V.G.COORD_SYS_CS_COUNT_DEF": "coordinate systems",
+    "V.G.COORD_SYS_COUNT_ALL_DEF": "coordinate systems",
+    "V.G.COORD_SYS_COUNT_ALL_ACTIVE": "coordinate systems",
+    "V.G.SELECTED_CS": "coordinate systems",
+    "V.G.WCS_POSLIMIT_1": "#GET WCS POSLIMIT",
+    "V.G.WCS_POSLIMIT_2": "#GET WCS POSLIMIT",
+    "V.G.WCS_POSLIMIT_3": "#GET WCS POSLIMIT",
+    "V.G.KIN": "kinematics",
+    "V.G.KIN_STEP": "kinematics",
+    "V.G.KIN_ID": "kinematics",
+    "V.G.KIN_TYPE": "kinematics",
+    "V.G.KIN_ID_STEP": "kinematics",
+    "V.G.KIN_TYPE_STEP": "kinematics",
+    "V.G.TOTAL_KIN_OFFSET": "kinematics",
+    "V.G.TRAFO_PCS": "kinematics",
+    "V.G.TRAFO_PCS_ID": "kinematics",
+    "V.G.TRAFO_PCS_TYPE": "kinematics",
+    "V.G.TRACK_CS": "dynamic coordinate systems",
+    "V.G.RETRACT_APPR_CS": "electrode retraction",
+    "V.A.RETRACT_ACS_POS": "electrode retraction",
+    "V.A.RETRACT_APPR_START_MCS_POS": "electrode retraction",
+    "V.A.WCS": "#WCS TO MCS",
+    "V.A.MCS": "#MCS TO WCS",
+    "V.A.TRANSFORM": "#TRANSFORM",
+    # state of the machine that the decoder is not told (lines 21212–21248, 21421–21423, 21460–21497)
+    "V.G.IPO_COUNT": "system time counter",
+    "V.G.EXECUTION_MODE": "mode of the program order",
+    "V.G.ACTIVE_MODE": "operating mode",
+    "V.G.AKT_PLATZ": "clamp positions",
+    "V.G.CLAMP_LIST_INVOKE": "clamp positions",
+    "V.G.SIGNAL_READ": "#SIGNAL READ",
+    "V.G.AX_LINK.NR": "axis couplings",
+    "V.G.AX_LINK_GROUP": "axis couplings",
+    "V.G.CHAN_LIST_INVOKE": "loading of lists",
+    "V.G.VE_VAR_LIST_INVOKE": "loading of lists",
+    "V.G.ZERO_POINT_LIST_INVOKE": "loading of lists",
+    "V.G.SPEED_LIMIT": "speed limit look-ahead",
+    "V.G.MAX_NC_BLOCKS_AHEAD": "limits of the decoding ahead",
+    "V.G.MAX_MOTION_BLOCKS_AHEAD": "limits of the decoding ahead",
+    "V.G.MAX_TIME_AHEAD": "limits of the decoding ahead",
+    "V.G.D_AKT": "tool data",
+    "V.G.MEAS_TYPE": "measuring",
+    "V.G.RW": "edge banding",
+    "V.G.DIAMETER_PROG.ZERO_OFFSET": "diameter programming",
+    # axes (lines 21659–21704)
+    "V.A.REF": "homing",
+    "V.A.RERF": "homing",
+    "V.A.MESS": "measuring",
+    "V.A.MEAS": "measuring",
+    "V.A.MOFFS": "measuring",
+    "V.A.MERF": "measuring",
+    "V.A.MEIN": "measuring",
+    "V.A.MANUAL_OFFSETS": "#GET MANUAL OFFSETS",
+    "V.A.SOFFS": "#GET MANUAL OFFSETS",
+    "V.A.MODE": "axis mode",
+    "V.A.MODULO_VALUE": "modulo axes",
+    "V.A.AXIS_DEACTIVATED": "parked axes",
+    "V.A.ENCODER2_VALUE": "second encoders",
+    "V.A.DIAMETER_PROG": "diameter programming",
+    "V.A.ANTR_TYP": "drive types",
+    "V.A.TORQUE_NOM": "drive data",
+    # spindles (lines 21767–21802)
+    "V.SPDL_PROG.POSITION": "spindle positioning",
+    "V.SPDL_PROG.MAX_SPEED": "constant cutting speed",
+    "V.SPDL_PROG.CONST_CUT_SPEED": "constant cutting speed",
+    "V.SPDL_PROG.GEAR_DATA_STEP": "gear steps",
+}
+
+
+def purpose_of(path: str) -> str:
+    """What a variable of the manual belongs to, "" if the manual has none of this name."""
+    for end in [match.start() for match in _STEM.finditer(path)] + [len(path)]:
+        purpose = KNOWN.get(path[:end])
+        if purpose is not None:
+            return purpose
+    return ""

@@ -1,0 +1,73 @@
+"""V.G.M_FCT, V.G.H_FCT: synchronisation of M and H functions at run time (programming manual 21365–21390).
+
+What a program changes holds for the programs that follow, until the next start of the control.
+"""
+
+from __future__ import annotations
+
+from runtime.cnc.blocks import Synch
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.isg.registry import variable, writes
+from runtime.cnc.decoder.setup import DecoderSetupError, parse_synch
+from runtime.cnc.language.errors import CalculationError
+from runtime.cnc.language.isg.functions import as_number, round_half_up
+from runtime.diagnostics.catalogue import language as catalogue
+
+_SPEC = "isg.var.g-mh-functions"
+_BITS = 2**32
+
+
+def _table(x: Execution, letter: str) -> dict[int, Synch]:
+    return x.memory.m_synch if letter == "M" else x.memory.h_synch
+
+
+def _number(x: Execution, letter: str, value: float) -> int:
+    """The number of a configured function; CalculationError for another one."""
+    number, name = round_half_up(value), f"V.G.{letter}_FCT"
+    if number not in _table(x, letter):
+        raise CalculationError(catalogue.FUNCTION_NOT_CONFIGURED, name, letter=letter, number=number)
+    return number
+
+
+def _functions(letter: str) -> None:
+    name = f"V.G.{letter}_FCT"
+
+    @variable(f"{name}[].SYNCH", _SPEC, f"synchronisation type of an {letter} function, as P-CHAN-00041 codes it")
+    def synch(x: Execution, number: float) -> float:
+        return float(int(_table(x, letter)[_number(x, letter, number)]))
+
+    @writes(f"{name}[].SYNCH")
+    def set_synch(x: Execution, value: float, number: float) -> None:
+        index = _number(x, letter, number)
+        code = round_half_up(as_number(value, name))
+        try:
+            kind = parse_synch(str(code))
+        except DecoderSetupError:
+            kind = Synch.NOT_VALID
+        if kind == Synch.NOT_VALID:
+            shown = hex(code) if 0 <= code < _BITS else str(code)
+            raise CalculationError(catalogue.SYNCH_VALUE, name, value=shown)
+        _table(x, letter)[index] = kind
+
+    for ahead, what in (("PATH", "path in front of the place of output"), ("TIME", "time in front of it")):
+        _ahead(letter, ahead, what)
+
+
+def _ahead(letter: str, ahead: str, what: str) -> None:
+    name = f"V.G.{letter}_FCT"
+    path = f"{name}[].PRE_OUTP_{ahead}"
+
+    @variable(path, _SPEC, what, unit="mm, inch" if ahead == "PATH" else "s")
+    def read(x: Execution, number: float) -> float:
+        """No function can have one as long as there is no synchronisation type that puts it out ahead."""
+        index = _number(x, letter, number)
+        raise CalculationError(catalogue.PRE_OUTPUT, name, letter=letter, number=index)
+
+    @writes(path)
+    def write(x: Execution, value: float, number: float) -> None:
+        _number(x, letter, number)
+        raise CalculationError(catalogue.VARIABLE_UNSUPPORTED, name, purpose="output ahead of the place")
+
+
+_functions("M")
+_functions("H")
