@@ -29,7 +29,7 @@ class ProgramErrors(ProgramError):  # noqa: N818 - it is many
 class CalculationError(Exception):
     """An expression has no value. Whoever executes the block adds the place; `name` is what to look for in its text."""
 
-    def __init__(self, entry: ErrorEntry, name: str, **values: object) -> None:
+    def __init__(self, entry: ErrorEntry, name: str, /, **values: object) -> None:
         super().__init__(entry.id, name)
         self.entry = entry
         self.name = name

@@ -232,7 +232,9 @@ class Unit:
         text, following = self.text.line(offset)
         if "\\" not in text or not _continued(text):
             return BlockText(text, line)
-        joined, pieces, lines = "", [], []
+        joined = ""
+        pieces: list[int] = []
+        lines: list[str] = []
         while True:
             part = _continued(text)
             lines.append(text)

@@ -195,7 +195,8 @@ class _Builder(Transformer[Token, ParsedBlock]):
         return Expression(f"(1.0 if macro({unquoted(macro)!r}) is not None else 0.0)")
 
     def size(self, name: Token, place: _Path, dimension: Expression | None) -> Expression:
-        path, given = place.path, ()
+        path = place.path
+        given: tuple[Expression, ...] = ()
         if place.number is not None:
             path, given = "P[]", (place.number,)
         elif path.startswith("P[]"):
