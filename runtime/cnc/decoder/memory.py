@@ -1,4 +1,15 @@
-"""What of a channel outlives a program: V.S variables, macros, the stored zero offsets, P parameters if configured so."""
+"""What of a channel outlives a program; everything else begins anew with the next start.
+
+    survives the end and a reset                          begins anew
+    ---------------------------------------------------   --------------------------------------------------------
+    V.S variables                                         V.P, V.L, V.CYC, @P
+    P parameters with P-CHAN-00067, arrays too            P parameters otherwise
+    macros (until #INIT MACRO TAB, manual line 26013)     file names of #FILE NAME (line 16103)
+    stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
+    synchronisation of M and H functions                  loops, modal cycles, single-step locks
+
+The table is true because the first column is in `ChannelMemory` and the second in `Execution`, which is made per start.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +46,23 @@ class ChannelMemory:
         self.m_synch: dict[int, Synch] = dict(setup.m_synch)
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
+        self.parameter_arrays: Scope | None = None
         self.report_lines = 0
         self.report_backups = 0
+
+    def start_parameters(self, setup: DecoderSetup) -> Parameters:
+        """The P parameters that a program starts with: those of the one before it, or none (P-CHAN-00067)."""
+        if not setup.keep_parameters:
+            return Parameters()
+        if self.parameters is None:
+            self.parameters = Parameters()
+        return self.parameters
+
+    def start_arrays(self, setup: DecoderSetup) -> Scope:
+        """The P arrays that a program starts with."""
+        if self.parameter_arrays is None or not setup.keep_parameters:
+            self.parameter_arrays = Scope("P", setup.limits.parameters)
+        return self.parameter_arrays
 
     def define_macro(self, name: str, content: str) -> None:
         """Define a macro of a program."""

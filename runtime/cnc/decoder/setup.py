@@ -11,6 +11,7 @@ import numpy as np
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.external import ExternalEntry
 from runtime.cnc.language.addresses import Addresses
+from runtime.cnc.language.isg.index import Rules
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
@@ -134,6 +135,8 @@ class DecoderSetup:
     create_transfer: bool = True  # P-CHAN-00463
     keep_cycle_changes: bool = False  # P-CHAN-00210
     keep_parameters: bool = False  # P-CHAN-00067
+    hide_cycles: bool = False  # P-CHAN-00211
+    rules: Rules = Rules()
     tool_change_program: str = ""  # P-CHAN-00118
     tool_data_program: str = ""  # P-CHAN-00429
     start_program: str = ""  # P-CHAN-00119

@@ -7,7 +7,11 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_motion,
     g_offsets,
     statements_channel,
+    statements_cycles,
+    statements_display,
+    statements_files,
     statements_variables,
     variables_axis,
     variables_channel,
+    variables_program,
 )
