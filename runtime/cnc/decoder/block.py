@@ -9,17 +9,20 @@ of the control:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
-from runtime.cnc.blocks import BlockEnd, Source, Stop
+from runtime.cnc.blocks import Block, Source, Stop
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed_word import INCH
 from runtime.cnc.decoder.flow import Flow
-from runtime.cnc.decoder.frames import Frame, Level, Modal
+from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
 from runtime.cnc.decoder.modal import FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
+from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.technology import Functions, functions_of
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
@@ -28,7 +31,6 @@ from runtime.cnc.language.isg.index import Unit
 from runtime.cnc.language.isg.macros import check_content
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
-from runtime.diagnostics.errors import Problem
 
 SUBPROGRAM_END = (17, 29)
 
@@ -40,18 +42,12 @@ class WordBlocks:
         self._x = execution
         self._flow = flow
 
-    # ------------------------------------------------------------------ program start and end
-
     def begin_program(self) -> None:
-        """The configured G functions, then the program that every program start begins with (P-CHAN-00119)."""
+        """The G functions that hold from program start on (prog_start.g_gruppe)."""
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
             G_FUNCTIONS[number].handler(self._x, GCall(number, 1))
-        name = self._x.setup.start_program
-        if name:
-            unit, section = self._flow.program(self._x.frame, False, name, 1)
-            self._flow.enter(unit, section, name, 1, Level.START)
 
     def define_macro(self, name: str, content: str) -> None:
         """A macro definition of the block."""
@@ -107,12 +103,14 @@ class WordBlocks:
         x = self._x
         if block.statement is not None:
             slots = block.statement
+            x.levels.entered = False
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
             if x.again is None:
                 if block.beside is not None:
                     added = block.beside
                     STATEMENTS[added.statement.syntax.name].handler(x, StatementCall(added, values))
-                self.after_block(False)
+                if not x.levels.entered:
+                    cycles.after_block(x, False)
             return
         x.axis_words = {axis: values[slot] for axis, slot in block.axes}
         x.letters = {index: values[slot] for index, slot in block.interpolation}
@@ -150,6 +148,7 @@ class WordBlocks:
     ) -> None:
         x = self._x
         functions = functions_of(block, values, x)
+        actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         for before in functions.leading():
             x.emit(before)
         motion = self._motion(block, values)
@@ -159,13 +158,14 @@ class WordBlocks:
             STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))
         for kind in functions.stops:
             x.emit(Stop(x.source, kind))
-        last = [call for call in calls if G_FUNCTIONS[call.number].last]
-        current = x.frames[-1]
         if motion:
-            x.emit(BlockEnd(x.source))
-        called = self._last_actions(current, entry if frame is not None else -1, block, values, functions, last)
-        if not called:
-            self.after_block(motion)
+            x.block_end()
+        if block.goto is not None:  # a call in the same block is executed before the program goes on there
+            self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)
+        for _, _, action in actions:
+            action()
+        if not actions and block.goto is None and (block.words or block.macros):
+            cycles.after_block(x, motion)
 
     def _motion(self, block: CompiledBlock, values: Values) -> bool:
         """The motion of the block; whether there is any."""
@@ -185,66 +185,42 @@ class WordBlocks:
         move(x, block, corner)
         return True
 
-    def _last_actions(
-        self,
-        frame: Frame,
-        entry: int,
-        block: CompiledBlock,
-        values: Values,
-        functions: Functions,
-        last: list[GCall],
-    ) -> bool:
-        """What a block does when everything else is done: program end, return, call, jump. Whether there was any."""
-        x = self._x
+    def _actions(
+        self, block: CompiledBlock, values: Values, functions: Functions, last: list[GCall]
+    ) -> list[tuple[str, int, Callable[[], None]]]:
+        """What the block does when everything else is done: program end, return, call. Word, column and action of each."""
+        x, levels = self._x, self._x.levels
+        actions: list[tuple[str, int, Callable[[], None]]] = []
+        m = block.column(WordKind.M)
         if functions.ending >= 0:
-            self._end(functions.ending, block)
-        elif block.returning is not None:
-            cycles.parametrised_return(x, self._flow, block)
-        elif block.call is not None:
-            self._flow.call(frame, block.call)
-        elif functions.tool_change and self.file_of("M6"):
-            self._call_file("M6", "M6", block.column(WordKind.M))
-        elif last:
-            for call in last:
-                G_FUNCTIONS[call.number].handler(x, call)
-        elif block.tool_data >= 0 and self.file_of("D"):
-            self._call_file("D", "D", block.column(WordKind.TOOL_DATA))
-        elif block.goto is not None:
-            self._flow.jump(frame, entry, block, block.goto, values)
-        else:
-            return False
-        return True
+            held = functions.held_back() if functions.ending not in SUBPROGRAM_END else []
+            actions.append((f"M{functions.ending}", m, lambda: self._end(functions.ending, held, m)))
+        if block.returning is not None:
+            word = block.returning
+            actions.append((f"M{word.index}", word.column, lambda: return_to(x, self._flow, block, values)))
+        if block.call is not None:
+            call = block.call
+            name = values[block.call_slot] if block.call_slot >= 0 else call.name
+            actions.append((call.name, call.column, lambda: levels.call(call, name)))
+        if functions.tool_change:
+            actions.append(("M6", m, lambda: levels.call_file("M6", m, hidden=True)))
+        actions += [(f"G{g.number}", g.column, partial(G_FUNCTIONS[g.number].handler, x, g)) for g in last]
+        if block.tool_data >= 0 and levels.file_of("D"):
+            d = block.column(WordKind.TOOL_DATA)
+            actions.append(("D", d, lambda: levels.call_file("D", d)))
+        if len(actions) > 1:
+            raise LineError(catalogue.CALL_BESIDE, actions[1][1], word=actions[0][0], other=actions[1][0])
+        return actions
 
-    def _end(self, number: int, block: CompiledBlock) -> None:
+    def _end(self, number: int, held: list[Block], column: int) -> None:
         """M17, M29: back to the caller. M02, M30, or M17 in the main program: the end of the program."""
         x = self._x
         if number in SUBPROGRAM_END and len(x.frames) > 1:
-            self._flow.leave()
+            x.levels.leave()
             return
-        if len(x.frames) > 1 and number not in SUBPROGRAM_END and x.frame.level is not Level.FINAL:
-            name = x.frame.section.name or x.unit.name
-            place = x.unit.place(*x.place(block.column(WordKind.M)))
-            x.warnings.append(Problem(catalogue.END_IN_SUBPROGRAM, {"number": number, "name": name}, place))
-        final = x.setup.final_program
-        if final and x.frame.level is not Level.FINAL:
-            unit, section = self._flow.program(x.frame, False, final, block.column(WordKind.M))
-            frame = self._flow.enter(unit, section, final, 1, Level.FINAL)
-            x.frames[:] = [frame]  # when it is over nothing is left: that is the end of the program
-            return
-        self._flow.end_program()
-
-    def file_of(self, function: str) -> str:
-        """The program that M6, D or a G number calls: of #FILE NAME, else configured; "" for none."""
-        named: dict[str, str] = self._x.state.get("file names", {})
-        if function in named:
-            return named[function]
-        setup = self._x.setup
-        return {"M6": setup.tool_change_program, "D": setup.tool_data_program}.get(function, "")
-
-    def _call_file(self, function: str, word: str, column: int) -> None:
-        name = self.file_of(function)
-        unit, section = self._flow.program(self._x.frame, False, name, column)
-        self._flow.enter(unit, section, name, column)
+        if len(x.frames) > 1 and x.frame.level is not Level.FINAL:
+            x.warn(catalogue.END_IN_SUBPROGRAM, column, number=number, name=x.frame.section.name or x.unit.name)
+        x.levels.finish(held, column)
 
     # ------------------------------------------------------------------ parts
 
@@ -286,13 +262,3 @@ class WordBlocks:
             value = values[block.tool_data]
             if round(value) != 0:
                 raise LineError(catalogue.ADDRESS_UNSUPPORTED, block.column(WordKind.TOOL_DATA), address="D")
-
-    def after_block(self, motion: bool) -> None:
-        """A modal cycle of this level runs again."""
-        x = self._x
-        if not x.frames:
-            return
-        modal: Modal | None = x.frames[-1].modal
-        if modal is None or (modal.after_motion and not motion):
-            return
-        cycles.call_modal(x, self._flow, modal)

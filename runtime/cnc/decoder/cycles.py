@@ -1,24 +1,23 @@
-"""Cycles with transfer parameters, modal cycles, and returns to a chosen place (programming manual 6646–6721, 7300–7562)."""
+"""Cycles: subprograms with transfer parameters, also modal ones (programming manual lines 7300–7562)."""
 
 from __future__ import annotations
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.flow import Flow
-from runtime.cnc.decoder.frames import Level, Modal
-from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.compiler import CompiledBlock
-from runtime.cnc.language.isg.words import WordKind
-from runtime.diagnostics.catalogue import language as catalogue
+from runtime.cnc.decoder.frames import Modal
 
 
-def call_modal(x: Execution, flow: Flow, modal: Modal) -> None:
-    """Call a modal cycle once more."""
-    frame = flow.enter(modal.unit, modal.section, modal.section.name, 1, Level.CYCLE)
-    frame.transfer = dict(modal.transfer)
-    frame.given = frozenset(modal.transfer)
-    frame.saved = x.modal.copy()
+def call_cycle(
+    x: Execution, local: bool, name: str, column: int, transfer: dict[int, float | str], after_motion: bool | None
+) -> None:
+    """Call a cycle once; with `after_motion` True or False also behind each further block (with motion) of this level."""
+    unit, section = x.levels.program(x.frame, local, name, column)
+    if after_motion is not None:
+        x.frame.modal = Modal(unit, section, name, transfer, after_motion)
+    x.levels.enter_cycle(unit, section, name, column, transfer)
 
 
-def parametrised_return(x: Execution, flow: Flow, block: CompiledBlock) -> None:
-    """M17 [..]: leave levels and go on at a label or block number."""
-    raise LineError(catalogue.NOT_SUPPORTED, block.column(WordKind.RETURN), what="M17 with brackets")
+def after_block(x: Execution, motion: bool) -> None:
+    """A block is done that was no call, control statement or end: the modal cycle of its level runs again."""
+    modal = x.frames[-1].modal if x.frames else None
+    if modal is not None and (motion or not modal.after_motion):
+        x.levels.enter_cycle(modal.unit, modal.section, modal.name, 1, modal.transfer)

@@ -11,16 +11,19 @@ from collections.abc import Callable, Iterator
 from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, Source
 from runtime.cnc.decoder.block import WordBlocks
 from runtime.cnc.decoder.corners import Corners
+from runtime.cnc.decoder.cycles import after_block
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.flow import Flow, end_of_section
+from runtime.cnc.decoder.flow import Flow
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.geometry_error import GeometryError
+from runtime.cnc.decoder.levels import Levels
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
 from runtime.cnc.decoder.outside import Offline, Outside
 from runtime.cnc.decoder.plain import NeedsFull, PlainRuns
 from runtime.cnc.decoder.program import Program
+from runtime.cnc.decoder.sequences import next_pass
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
@@ -71,6 +74,7 @@ class Decoder:
         )
         self._x = x
         self._flow = Flow(x)
+        self._levels = Levels(x)
         self._words = WordBlocks(x, self._flow)
         self._interrupted = interrupted
         self._idle_limit = idle_limit
@@ -80,7 +84,6 @@ class Decoder:
         assert main is not None
         x.frames.append(Frame(program.unit, main, main.begin, Level.MAIN, name=main.name))
         x.source = Source(program.unit.name, main.line)
-        self._words.begin_program()
 
     @property
     def modal(self) -> ModalState:
@@ -115,13 +118,20 @@ class Decoder:
         x = self._x
         repeating = False  # the block is executed once more: nothing came between, the interpolator is where it was
         try:
+            self._words.begin_program()
+            self._levels.begin()
             while x.frames:
                 frame = x.frames[-1]
                 entry, unit = frame.index, frame.unit
+                if frame.sequence is not None and frame.sequence.over((entry, frame.row)):
+                    next_pass(x)
+                    continue
                 if not unit.has(entry, frame.section):
-                    end_of_section(x, self._flow)
+                    self._levels.end_of_section()
                     yield from self._handed_over()
                     continue
+                if unit.notes:
+                    self._tell_notes(unit)
                 self.executed += 1
                 self._idle += 1
                 if self.executed % HANDED_OVER == 0:
@@ -188,15 +198,32 @@ class Decoder:
         if fault is not None:
             raise ProgramError(fault.entry, unit.place(fault.line, fault.column, fault.text), **fault.values)
 
+    def _tell_notes(self, unit: Unit) -> None:
+        """Warnings of the index."""
+        for note in unit.notes:
+            place = unit.place(note.line, note.column, note.text)
+            self._x.warnings.append(Problem(note.entry, note.values, place))
+        unit.notes.clear()
+
     # -- entries
 
     def _run(self, frame: Frame, unit: Unit, entry: int) -> Iterator[Block]:
         """A run of plain blocks, from the row on that a jump has led to."""
         x = self._x
         first, frame.row = frame.row, 0
-        for part in self._plain.run(unit, entry, x, first):
+        end = frame.sequence.end if frame.sequence is not None else None
+        behind = end[1] + 1 if end is not None and end[0] == entry else unit.count(entry)
+        for part in self._plain.run(unit, entry, x, first, behind):
             if isinstance(part, NeedsFull):
                 self._execute(None, entry, x.compile(unit, unit.text_at(part.offset, part.line)))
+                if x.frames[-1] is not frame:  # a modal cycle: the rest of the run comes behind it
+                    frame.row = part.line - unit.line(entry) + 1
+                    if frame.row < behind:
+                        frame.index = entry
+                    else:
+                        frame.row = 0
+                    yield from self._handed_over()
+                    return
                 yield from self._handed_over()
             else:
                 yield part
@@ -204,15 +231,15 @@ class Decoder:
     def _execute(self, frame: Frame | None, entry: int, block: CompiledBlock) -> None:
         """One block by its compiled form; `frame` is None for a line of a plain run."""
         x = self._x
-        x.block = block
-        unit = x.frames[-1].unit
+        x.block, x.entry = block, entry
+        unit, shown = x.frames[-1].unit, x.frames[-1].shown
         try:
             if block.macros:
                 for name, content in block.macros:
                     self._words.define_macro(name, content)
             if block.assigned and block.number < 0:
                 block.values()
-                self._words.after_block(False)
+                after_block(x, False)
                 return
             values = block.values()
             if block.control is not None:
@@ -224,7 +251,7 @@ class Decoder:
                 number = self._number(block, values[block.number])
             if block.simple and x.fast and self._words.simple(block, values, unit, number):
                 return
-            x.source = Source(unit.name, block.source.line, None if number < 0 else number)
+            x.source = shown or Source(unit.name, block.source.line, None if number < 0 else number)
             self._words.execute(frame, entry, block, values)
         except LineError as error:
             raise self._error(unit, error.column, block, error.entry, error.values) from None

@@ -40,6 +40,8 @@ class DecoderEnvironment:
             "known_h": execution.setup.h_numbers,
             "set_parameter": self._set_parameter,
             "new_parameter": self.new_parameter,
+            "begin_transfer": execution.begin_transfer,
+            "give_transfer": execution.give_transfer,
             "macro": self.macro,
             "macro_length": self._macro_length,
             "macro_content": self._macro_content,

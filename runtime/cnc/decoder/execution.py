@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, Floats, Polyline, Source
 from runtime.cnc.decoder.coordinates import Coordinates
 from runtime.cnc.decoder.environment import DecoderEnvironment
 from runtime.cnc.decoder.external import ExternalVariables
@@ -24,6 +24,7 @@ from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import PLANE_AXES, FeedMode, ModalState, Plane
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
@@ -33,10 +34,12 @@ from runtime.cnc.language.isg.index import BlockText, Unit
 from runtime.cnc.language.isg.macros import MACRO_DEPTH
 from runtime.cnc.language.isg.parser import BlockParser, block_parser
 from runtime.cnc.language.isg.syntax import Group, Vocabulary
+from runtime.cnc.language.isg.words import ParsedBlock
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
 if TYPE_CHECKING:
+    from runtime.cnc.decoder.levels import Levels
     from runtime.cnc.decoder.library import Library
 
 COMPILED_BLOCKS = 20_000  # kept at once, some 3 kB each
@@ -57,8 +60,18 @@ def vocabulary(setup: DecoderSetup) -> Vocabulary:
     return _vocabularies[mixed]
 
 
+def check_continued(parsed: ParsedBlock, text: BlockText) -> None:
+    """Raises LineError for a # statement that goes on in the next line without being allowed to (manual line 1294)."""
+    if len(text.lines) > 1 and parsed.statement is not None:
+        syntax = parsed.statement.syntax
+        if syntax.prefix and not syntax.continued:
+            raise LineError(catalogue.CONTINUATION, text.pieces[1])
+
+
 class Execution:
     """One run of one program. Fields are named after what they are; see the classes they hold."""
+
+    levels: Levels  # set by whoever executes
 
     def __init__(
         self,
@@ -93,6 +106,9 @@ class Execution:
         self.declaring = False  # between #VAR and #ENDVAR
         self.again: str | None = None  # why the block has to be executed once more, after the outside had its turn
         self.waiting: Any = None  # what a block that is executed again keeps
+        self.steps = Steps()
+        self.pending_transfer: dict[int, float | str] | None = None  # values of a call that are being computed
+        self.entry = 0  # of the block in work
         self.source = Source("", 0)
         self.block: CompiledBlock | None = None
         self.values: Values = ()
@@ -138,6 +154,16 @@ class Execution:
             self.flush_run()
         self.out.append(block)
 
+    def block_end(self) -> None:
+        """The end of a block with motion, if single block stops behind it."""
+        if self.frames[-1].shown is None and self.steps.ends(self.source.n):
+            self.emit(BlockEnd(self.source))
+
+    def stepwise(self, run: Polyline) -> Iterable[Block]:
+        """A run of moves as it is, or one by one where not every block is a step."""
+        shown = self.frames[-1].shown if self.frames else None
+        return (run,) if shown is None and self.steps.everywhere else self.steps.apart(run, shown)
+
     def straight(self, end: list[float], feed: float, line: int, number: int) -> None:
         """A straight move without any addition: collected, and handed over with others as a polyline."""
         coordinates = self.coordinates
@@ -171,18 +197,17 @@ class Execution:
         if not self._run_feeds:
             return
         gain, shift, plane = self._run_shape
-        self.out.append(
-            Polyline(
-                self._run_program,
-                np.array(self._run),
-                np.array(self._run_feeds),
-                np.array(self._run_lines, dtype=np.int64),
-                np.array(self._run_numbers, dtype=np.int64),
-                np.array(shift),
-                None if all(g == 1.0 for g in gain) else np.array(gain),
-                PLANE_AXES[plane],
-            )
+        run = Polyline(
+            self._run_program,
+            np.array(self._run),
+            np.array(self._run_feeds),
+            np.array(self._run_lines, dtype=np.int64),
+            np.array(self._run_numbers, dtype=np.int64),
+            np.array(shift),
+            None if all(g == 1.0 for g in gain) else np.array(gain),
+            PLANE_AXES[plane],
         )
+        self.out.extend(self.stepwise(run))
         self._run, self._run_feeds, self._run_lines, self._run_numbers = [], [], [], []
 
     # ------------------------------------------------------------------ compiled blocks
@@ -207,6 +232,7 @@ class Execution:
         """Compile a block's text; ProgramError if it is faulty."""
         try:
             parsed = self.parser.parse(text.text, self.environment)
+            check_continued(parsed, text)
             version = self.memory.macro_version if '"' in text.text else -1
             return compile_block(parsed, text, self.environment.namespace, self.vocabulary, version)
         except LineError as error:
@@ -325,6 +351,9 @@ class Execution:
 
     def read_transfer(self, number: float) -> float | str:
         """A transfer parameter of the cycle; one that was not given becomes 0, or is an error (P-CHAN-00463)."""
+        pending = self.pending_transfer
+        if pending is not None and round_half_up(number) in pending:
+            return pending[round_half_up(number)]
         transfer, index = self._transfer(number)
         if index not in transfer:
             if not self.setup.create_transfer:
@@ -335,6 +364,15 @@ class Execution:
     def write_transfer(self, value: float | str, number: float) -> None:
         transfer, index = self._transfer(number)
         transfer[index] = value
+
+    def begin_transfer(self) -> None:
+        """The values of a G80 call are computed one after the other; those that are done can be read as @P already."""
+        self.pending_transfer = {}
+
+    def give_transfer(self, number: int, value: float | str) -> None:
+        """A value of the call is known."""
+        assert self.pending_transfer is not None
+        self.pending_transfer[number] = value
 
     def has_transfer(self, number: float) -> float:
         try:

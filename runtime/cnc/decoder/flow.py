@@ -1,25 +1,21 @@
-"""Where a program goes next: control statements, jumps, calls and returns (programming manual chapters 7 to 10)."""
+"""Where a program level goes next: control statements and jumps (programming manual lines 8241–8949)."""
 
 from __future__ import annotations
 
-import re
-
-from runtime.cnc.blocks import Source, Stop, StopKind
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.frames import Frame, Level, Loop
+from runtime.cnc.decoder.frames import Frame, Loop
+from runtime.cnc.decoder.passed_over import check_passed
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.functions import round_half_up
-from runtime.cnc.language.isg.index import LOOPS, Section, Unit
-from runtime.cnc.language.isg.words import Control, Word, WordKind
+from runtime.cnc.language.isg.index import LOOPS, MIDDLE, Unit
+from runtime.cnc.language.isg.words import Control, Word
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Problem
 
 TRUE_FROM = 0.5  # conditions: |value| from here on is true (programming manual line 8355)
 CASE_EQUAL = 0.001  # $CASE: values that are nearer to each other are equal (line 8465)
-_NUMBER = re.compile(r"[\s/]*\d*\s*[Nn]\s*")
-_PLAIN_NUMBER = re.compile(r"[\s/]*\d*\s*[Nn]\s*\d+")
 
 
 def true(value: float) -> bool:
@@ -72,6 +68,9 @@ class Flow:
                 frame.index = link.first + 1
             else:
                 frame.loops.pop(link.first, None)
+        elif control in (Control.CASE, Control.DEFAULT):  # reached from the branch before it
+            self._x.warn(catalogue.CASE_OPEN, statement.column, statement=control.value)
+            frame.index = self._behind(frame, entry)
         elif control in (Control.BREAK, Control.CONTINUE):
             self._leave(frame, control, link.outer, statement.column)
 
@@ -125,6 +124,7 @@ class Flow:
     def values_at(self, unit: Unit, entry: int) -> Values:
         """The values of another block of the unit; its errors carry its own place."""
         block = self._x.compiled(unit, entry)
+        self._x.entry = entry
         try:
             return block.values()
         except CalculationError as error:
@@ -191,12 +191,7 @@ class Flow:
                 raise ProgramError(fault.entry, unit.place(fault.line, fault.column, fault.text), **fault.values)
             text = unit.block_text(entry)
             try:
-                if (
-                    entry in unit.links
-                    or "$" in text.text
-                    or (_NUMBER.match(text.text) and not _PLAIN_NUMBER.match(text.text))
-                ):
-                    self._x.parser.parse(text.text, self._x.environment)
+                check_passed(self._x, text.text)
             except LineError as error:
                 line, column, source = text.place(error.column)
                 raise ProgramError(error.entry, unit.place(line, column, source), **error.values) from None
@@ -227,87 +222,10 @@ class Flow:
             if unit.links[first].control in LOOPS:
                 raise LineError(catalogue.JUMP_INTO_LOOP, column, line=unit.line(first))
         frame.loops = {first: loop for first, loop in frame.loops.items() if first in around}
-        frame.index = target
+        link = unit.links.get(target)
+        # A jump to $ELSE or $CASE enters that branch, as if its condition were true (line 8566).
+        frame.index = target + 1 if link is not None and link.control in MIDDLE else target
         frame.row = 0
-
-    # ------------------------------------------------------------------ calls and returns
-
-    def call(self, frame: Frame, word: Word) -> None:
-        """LL or L: a new level."""
-        name = self._called_name(word.name, word.column)
-        unit, section = self.program(frame, word.kind is WordKind.CALL_LOCAL, name, word.column)
-        self.enter(unit, section, name, word.column)
-
-    def _called_name(self, name: str, column: int) -> str:
-        """The name itself, or the text of the external variable that stands in its place."""
-        if not name.startswith("V."):
-            return name
-        x = self._x
-        source = x.parser.place(name, column)
-        access = x.environment.read(source.path, column)
-        indices = [float(eval(index.source, dict(x.environment.namespace))) for index in source.indices]
-        value = x.environment.namespace[access.name](*indices)  # type: ignore[operator]
-        if not isinstance(value, str):
-            raise LineError(catalogue.NUMBER_NOT_ALLOWED, column, what=name)
-        return value
-
-    def program(self, frame: Frame, local: bool, name: str, column: int) -> tuple[Unit, Section]:
-        """Unit and section of a subprogram; errors at the column of the block in work."""
-        if local:
-            section = frame.unit.local_programs.get(name)
-            if section is None:
-                raise LineError(catalogue.LOCAL_MISSING, column, name=name)
-            return frame.unit, section
-        line, at, text = self._x.place(column)
-        unit = self._x.library.global_program(name, frame.unit.place(line, at, text))
-        assert unit.main is not None
-        return unit, unit.main
-
-    def enter(self, unit: Unit, section: Section, name: str, column: int, level: Level = Level.SUBPROGRAM) -> Frame:
-        """A new level at the start of a section; LineError if there are too many."""
-        x = self._x
-        if len(x.frames) >= x.setup.limits.levels:
-            raise LineError(catalogue.CALL_DEPTH, column, limit=x.setup.limits.levels, name=name)
-        frame = Frame(unit, section, section.begin, level, name=name)
-        x.frames.append(frame)
-        return frame
-
-    def leave(self) -> Frame:
-        """The current level ends; what it had of its own goes with it."""
-        x = self._x
-        frame = x.frames.pop()
-        x.declaring = False
-        if frame.saved is not None and not frame.retain and not x.keep_cycle_changes:
-            restore(x, frame)
-        return frame
-
-    def end_program(self) -> None:
-        """The main program ends: whatever was open is closed, the stream gets its end."""
-        x = self._x
-        source = x.source
-        x.frames.clear()
-        x.emit(Stop(source, StopKind.PROGRAM_END))
-
-
-def restore(x: Execution, frame: Frame) -> None:
-    """Modal G functions, circle data and feed as they were before a cycle (lines 7389–7426)."""
-    assert frame.saved is not None
-    saved = frame.saved
-    saved.speed, saved.tool = x.modal.speed, x.modal.tool
-    x.modal = saved
-    x.modal_changed()
-
-
-def end_of_section(x: Execution, flow: Flow) -> None:
-    """The last block of a program without M17 or M30: back to the caller, or the end of the program."""
-    frame = x.frames[-1]
-    if len(x.frames) > 1:
-        flow.leave()
-        return
-    unit, end = frame.unit, frame.section.end
-    line = unit.line(end - 1) if end > frame.section.begin else frame.section.line
-    x.source = Source(unit.name, line)
-    flow.end_program()
 
 
 def _beyond(value: float, end: float, step: float) -> bool:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum, auto
 
+from runtime.cnc.blocks import Source
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.index import Section, Unit
+from runtime.cnc.language.text import ProgramText
 
 
 class Level(Enum):
@@ -35,8 +37,17 @@ class Modal:
 
     unit: Unit
     section: Section
+    name: str
     transfer: dict[int, float | str]
     after_motion: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Saved:
+    """What is restored behind a cycle: the modal state and the mirroring in the plane (G20…G23)."""
+
+    modal: ModalState
+    mirror_plane: list[float]
 
 
 @dataclass(slots=True)
@@ -46,9 +57,13 @@ class Sequence:
     begin: tuple[int, int]
     end: tuple[int, int] | None
     repeat: int
-    call: tuple[int, int]  # unit id and entry of the call itself
+    call: tuple[ProgramText, int]  # file and offset of the call itself
     end_at_call: bool
     end_at_mark: bool
+
+    def over(self, position: tuple[int, int]) -> bool:
+        """Whether the next block lies outside of the sequence."""
+        return position < self.begin or (self.end is not None and position > self.end)
 
 
 @dataclass(slots=True)
@@ -64,9 +79,10 @@ class Frame:
     cycle: Scope = field(default_factory=lambda: Scope("V.CYC."))
     transfer: dict[int, float | str] | None = None  # @P of a cycle
     given: frozenset[int] = frozenset()  # numbers of the @P that the call gave
-    saved: ModalState | None = None  # to be restored at the end of a cycle
+    saved: Saved | None = None  # to be restored at the end of a cycle
     retain: bool = False  # #RETAIN CYCLE CHANGES
     modal: Modal | None = None  # a modal cycle that this level has called
     sequence: Sequence | None = None
     row: int = 0  # first row of a plain run that is to be executed, where a jump leads into a run
     name: str = ""
+    shown: Source | None = None  # the call that stands for all blocks of the level (P-CHAN-00211)

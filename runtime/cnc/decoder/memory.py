@@ -1,4 +1,15 @@
-"""What of a channel outlives a program: V.S variables, macros, the stored zero offsets, P parameters if configured so."""
+"""What of a channel outlives a program; everything else begins anew with the next start.
+
+    survives the end and a reset                          begins anew
+    ---------------------------------------------------   --------------------------------------------------------
+    V.S variables                                         V.P, V.L, V.CYC, @P
+    P parameters with P-CHAN-00067, arrays too            P parameters otherwise
+    macros (until #INIT MACRO TAB, manual line 26013)     file names of #FILE NAME (line 16103)
+    stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
+    synchronisation of M and H functions                  loops, modal cycles, single-step locks
+
+The table is true because the first column is in `ChannelMemory` and the second in `Execution`, which is made per start.
+"""
 
 from __future__ import annotations
 

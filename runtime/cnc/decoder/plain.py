@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from runtime.cnc.blocks import Floats, Polyline
+from runtime.cnc.blocks import Block, Floats, Polyline
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.modal import Motion
 from runtime.cnc.language.isg.index import Unit
@@ -102,16 +102,16 @@ class PlainRuns:
         self._limit = limit
         self._kept: dict[tuple[int, int], tuple[PlainRows, int]] = {}
 
-    def run(self, unit: Unit, entry: int, x: Execution, first: int = 0) -> Iterator[Polyline | NeedsFull]:
-        """The polylines of a run from its row `first` on; modal state and position follow. Whoever gets a NeedsFull executes it
-        before going on."""
+    def run(self, unit: Unit, entry: int, x: Execution, first: int, count: int) -> Iterator[Block | NeedsFull]:
+        """The moves of a run from its row `first` to before `count`; modal state and position follow. Whoever gets a NeedsFull
+        executes it before going on."""
         rows, base = self._rows(unit, entry)
-        count, line = unit.count(entry), unit.line(entry)
+        line = unit.line(entry)
         while first < count:
             if x.fast and x.frames[-1].modal is None:
                 first, polyline = self._trace(unit, rows, first, count, line, x)
                 if polyline is not None:
-                    yield polyline
+                    yield from x.stepwise(polyline)
             if first < count:
                 yield NeedsFull(base + int(rows.starts[first]), line + first)
                 first += 1

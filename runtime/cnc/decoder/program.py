@@ -8,18 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.library import Library
+from runtime.cnc.decoder.execution import Execution, check_continued
+from runtime.cnc.decoder.library import Library, wrong_name
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.outside import Offline
+from runtime.cnc.decoder.passed_over import check_passed
 from runtime.cnc.decoder.setup import DecoderSetup
-from runtime.cnc.language.errors import ProgramErrors
+from runtime.cnc.language.errors import ProgramError, ProgramErrors
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.index import LOOPS, Section, Unit
 from runtime.cnc.language.isg.words import ParsedBlock, WordKind
 from runtime.cnc.language.text import ProgramText
 from runtime.diagnostics.catalogue import language as catalogue
-from runtime.diagnostics.errors import Problem, Reaction, Severity
+from runtime.diagnostics.errors import Place, Problem, Reaction, Severity
 
 MAX_PROBLEMS = 20  # told per program
 CHECKED_BEFORE_START = 1 << 18  # bytes; longer programs start before they are read to their end
@@ -53,8 +54,10 @@ def open_program(path: Path, setup: DecoderSetup) -> Program:
 
     Raises ProgramError for a file, ProgramErrors for what is wrong in its blocks.
     """
-    folders = [path.parent, *(path.parent / folder for folder in setup.program_paths)]
-    library = Library(setup.addresses, folders)
+    wrong = wrong_name(path.name)
+    if wrong is not None:
+        raise ProgramError(wrong[0], Place(str(path)), **wrong[1])
+    library = library_of(path, setup)
     try:
         unit = library.open(path, path.name)
         if unit.text.size <= CHECKED_BEFORE_START:
@@ -67,13 +70,19 @@ def open_program(path: Path, setup: DecoderSetup) -> Program:
     return Program(unit, library)
 
 
+def library_of(path: Path, setup: DecoderSetup) -> Library:
+    """The files around a main program: its own folder first, then the search paths in the order of their priority."""
+    folders = [path.parent, *(path.parent / folder for folder in setup.program_paths)]
+    return Library(setup.addresses, folders, setup.rules)
+
+
 def look_through(path: Path, setup: DecoderSetup, progress: Progress | None = None) -> Iterator[Problem]:
     """What is wrong with the blocks of a file, in the order of its lines, without executing any.
 
     Blocks in branches that may be passed over are told as warnings: the control does not look at them as long as it does not
     come there (programming manual lines 8241–8326). The same holds for the whole program once it has a jump.
     """
-    unit = Unit(path.name, ProgramText(path), setup.addresses)
+    unit = Unit(path.name, ProgramText(path), setup.addresses, setup.rules)
     try:
         yield from _Look(unit, setup, path).problems(progress)
     finally:
@@ -83,8 +92,7 @@ def look_through(path: Path, setup: DecoderSetup, progress: Progress | None = No
 class _Look:
     def __init__(self, unit: Unit, setup: DecoderSetup, path: Path) -> None:
         self._unit = unit
-        folders = [path.parent, *(path.parent / folder for folder in setup.program_paths)]
-        self._library = Library(setup.addresses, folders)
+        self._library = library_of(path, setup)
         start = np.zeros(len(setup.axes))
         self._x = Execution(setup, ChannelMemory(setup), Offline(), self._library, start, lambda: 0)
         self._seen: set[tuple[WordKind, str]] = set()
@@ -122,15 +130,17 @@ class _Look:
         if unit.count(entry):
             return
         text = unit.block_text(entry)
-        if entry in unit.faults and text.text.lstrip()[:1] in ("%", "#"):
+        if entry in unit.faults and entry not in unit.links:
             yield self._fault(entry)
             return
         try:
             parsed = self._x.parser.parse(text.text, self._x.environment)
+            check_continued(parsed, text)
         except LineError as error:
             line, column, shown = text.place(error.column)
             problem = Problem(error.entry, error.values, unit.place(line, column, shown))
-            yield problem if self._certain(entry, text.text) else _warning(problem)
+            certain = self._certain(entry, text.text) or self._looked_at(text.text)
+            yield problem if certain else _warning(problem)
             return
         if entry in unit.faults:
             yield self._fault(entry)
@@ -146,27 +156,47 @@ class _Look:
         around = unit.around(entry)
         return not self._jumps and '"' not in text and all(unit.links[first].control in LOOPS for first in around)
 
+    def _looked_at(self, text: str) -> bool:
+        """Whether the fault is told even where the block is passed over."""
+        try:
+            check_passed(self._x, text)
+        except LineError:
+            return '"' not in text
+        return False
+
     def _calls(self, parsed: ParsedBlock, entry: int, text: str, line: int, section: Section) -> Iterator[Problem]:
         self._jumps |= any(word.kind is WordKind.GOTO for word in parsed.words)
         self._jumps |= parsed.control is not None and parsed.control.goto is not None
         for word in parsed.words:
-            if word.kind not in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL) or word.name.startswith("V."):
-                continue
-            if (word.kind, word.name) in self._seen:
-                continue
-            self._seen.add((word.kind, word.name))
-            problem = None
-            place = self._unit.place(line, word.column, text)
-            if word.kind is WordKind.CALL_LOCAL:
-                if section.local:
-                    self._unit.open()
-                if word.name not in self._unit.local_programs:
-                    problem = Problem(catalogue.LOCAL_MISSING, {"name": word.name}, place)
-            elif self._library.find(word.name) is None:
-                paths = ", ".join(str(folder) for folder in self._library.folders)
-                problem = Problem(catalogue.GLOBAL_MISSING, {"name": word.name, "paths": paths}, place)
-            if problem is not None:
-                yield problem if self._certain(entry, text) else _warning(problem)
+            if word.kind in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL) and word.value is None:
+                yield from self._called(word.kind, word.name, word.column, entry, text, line, section)
+        statement = parsed.statement
+        if statement is not None and statement.syntax.name in ("CALL L CYCLE", "CALL LL CYCLE"):
+            local = statement.syntax.name == "CALL LL CYCLE"
+            kind = WordKind.CALL_LOCAL if local else WordKind.CALL_GLOBAL
+            for argument in statement.arguments:
+                if argument.name == "NAME" and argument.text:
+                    yield from self._called(kind, argument.text, argument.column, entry, text, line, section)
+
+    def _called(
+        self, kind: WordKind, name: str, column: int, entry: int, text: str, line: int, section: Section
+    ) -> Iterator[Problem]:
+        """A program that is called but is not there."""
+        if (kind, name) in self._seen:
+            return
+        self._seen.add((kind, name))
+        problem = None
+        place = self._unit.place(line, column, text)
+        if kind is WordKind.CALL_LOCAL:
+            if section.local:
+                self._unit.open()
+            if name not in self._unit.local_programs:
+                problem = Problem(catalogue.LOCAL_MISSING, {"name": name}, place)
+        elif self._library.find(name) is None:
+            paths = ", ".join(str(folder) for folder in self._library.folders)
+            problem = Problem(catalogue.GLOBAL_MISSING, {"name": name, "paths": paths}, place)
+        if problem is not None:
+            yield problem if self._certain(entry, text) else _warning(problem)
 
 
 def _warning(problem: Problem) -> Problem:

@@ -10,6 +10,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.language.addresses import Addresses
+from runtime.cnc.language.isg.index import Rules
 from runtime.config.channel.parameters import PathKind
 from runtime.config.external import ExternalLayout
 from runtime.config.machine import AxisType, Machine
@@ -110,8 +111,6 @@ class Limits:
     macro_name: int = 30
     macro_content: int = 200
     cycle_memory: int = CYCLE_MEMORY  # bytes for V.CYC, with what P-CHAN-00418 adds
-    names: int = 1000  # string labels that are kept
-    numbers: int = 1000  # expression labels that are kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +144,8 @@ class DecoderSetup:
     create_transfer: bool = True  # P-CHAN-00463
     keep_cycle_changes: bool = False  # P-CHAN-00210
     keep_parameters: bool = False  # P-CHAN-00067
+    hide_cycles: bool = False  # P-CHAN-00211
+    rules: Rules = field(default_factory=Rules)
     tool_change_program: str = ""  # P-CHAN-00118
     tool_data_program: str = ""  # P-CHAN-00429
     start_program: str = ""  # P-CHAN-00119
@@ -222,9 +223,14 @@ class DecoderSetup:
                 macro_name=parameters.configuration.decoder.macro_symbol_len,
                 macro_content=parameters.configuration.decoder.macro_nc_code_len,
                 cycle_memory=CYCLE_MEMORY + parameters.configuration.decoder.var_memory,
-                names=parameters.configuration.decoder.string_label_number,
-                numbers=parameters.configuration.decoder.expression_label_number,
             ),
+            rules=Rules(
+                labels=max(
+                    parameters.configuration.decoder.string_label_number,
+                    parameters.configuration.decoder.expression_label_number,
+                )
+            ),
+            hide_cycles=bool(parameters.suppress_cycle_logging),
         )
 
     @property

@@ -48,6 +48,16 @@ class Functions:
         """What stands in front of the motion."""
         return [*self.before, Wait(self._source, before=True)] if self.wait_before else self.before
 
+    def held_back(self) -> list[Block]:
+        """The M function that ends the program, taken out of the block: it is put out when everything else is done."""
+        held = Functions(self._source)
+        for place in (self.before, self.after):
+            for function in [f for f in place if isinstance(f, TechnologyFunction)]:
+                if function.kind is Technology.M and function.number == self.ending:
+                    place.remove(function)
+                    held.add(function)
+        return [*held.leading(), *held.trailing()]
+
     def trailing(self) -> list[Block]:
         """What stands behind the motion."""
         return [*self.after, Wait(self._source)] if self.wait_after else self.after
@@ -90,7 +100,7 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
             functions.stops.append(STOPS[number])
         elif number in PROGRAM_END or number in SUBPROGRAM_END:
             functions.ending = number
-        if number == TOOL_CHANGE_M and (setup.tool_change_program or "M6" in x.state.get("file names", {})):
+        if number == TOOL_CHANGE_M and x.levels.file_of("M6"):
             if slots.extra >= 0:
                 raise LineError(catalogue.VALUE_NOT_ALLOWED, slots.word.column, number=number)
             functions.tool_change = True

@@ -758,3 +758,76 @@ ARC_MAIN_AXES = ErrorEntry(
 FEED_CHANGE_CORNER = ErrorEntry(
     300450, "no chamfer or rounding in a block with a linear feed change", reaction=Reaction.STOP_AT_BLOCK_END
 )
+
+# -- flow, levels, cycles, sequences -------------------------------------------------------------------------------
+
+LABELS_FULL = ErrorEntry(
+    20829,
+    "more than {limit} expression labels: further ones are searched for at every jump",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="P-ERR-20829",
+)
+NAMES_FULL = ErrorEntry(
+    20831,
+    "more than {limit} string labels: further ones are searched for at every jump",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="P-ERR-20831",
+)
+LABEL_LENGTH = ErrorEntry(300160, "label [{name}] is longer than {limit} characters")
+NAME_CHARACTER = ErrorEntry(
+    300161,
+    "{character!r} is not allowed in the program name {name!r}",
+    remedy='blanks, tabs and ( ; " ] , # $ separate words; rename the program',
+    source="programming manual line 1073",
+)
+NAME_LENGTH = ErrorEntry(300162, "program name {name} is longer than {limit} characters")
+CASE_OPEN = ErrorEntry(
+    300163,
+    "the branch in front of {statement} has no $BREAK: it ends here",
+    Severity.WARNING,
+    Reaction.NONE,
+    remedy="end it with $BREAK",
+)
+CALL_BESIDE = ErrorEntry(
+    300164,
+    "{word} and {other} both want to be the last action of the block",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write them in two blocks",
+)
+JUMPS_MANY = ErrorEntry(
+    300165,
+    "JUMPS={value} from level {levels} above the main program: back to the main program",
+    Severity.WARNING,
+    Reaction.NONE,
+    source="programming manual line 6674",
+)
+JUMPS_INVALID = ErrorEntry(300166, "JUMPS={value}: at least one level is left", reaction=Reaction.STOP_AT_BLOCK_END)
+RETAIN_OUTSIDE = ErrorEntry(
+    300167, "#RETAIN CYCLE CHANGES has no effect outside a cycle", Severity.WARNING, Reaction.NONE
+)
+VALUES_MANY = ErrorEntry(300168, "{word} takes at most {limit} values", reaction=Reaction.STOP_AT_BLOCK_END)
+SEQUENCE_MISSING = ErrorEntry(
+    300169, "{what} does not exist in {program}: no sequence to execute", reaction=Reaction.STOP_AT_BLOCK_END
+)
+SEQUENCE_ORDER = ErrorEntry(
+    300170, "the sequence ends with {last} before it begins with {first}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+SEQUENCE_REPEAT = ErrorEntry(300171, "REPEAT={value}: at least 1", reaction=Reaction.STOP_AT_BLOCK_END)
+SEQUENCE_OPEN = ErrorEntry(
+    300172,
+    "the end of {program} is reached inside a sequence",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="end it with #SEQUENCE END, or name its last block",
+)
+SEQUENCE_LIMITS = ErrorEntry(
+    300173,
+    "a sequence needs one or two block numbers, or one or two labels; with BEGIN one",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+CYCLE_MODAL = ErrorEntry(300175, "MODAL_MOVE and MODAL_BLOCK exclude each other", reaction=Reaction.STOP_AT_BLOCK_END)
+SINGLE_STEP = ErrorEntry(
+    300176, "#SINGLE STEP takes exactly one of DISABLE, ENABLE, RESOLUTION", reaction=Reaction.STOP_AT_BLOCK_END
+)
+RESOLUTION_INVALID = ErrorEntry(300174, "RESOLUTION={value:.9g}: at least 1", reaction=Reaction.STOP_AT_BLOCK_END)

@@ -182,6 +182,7 @@ def statement(
     modal: bool = False,
     aliases: tuple[str, ...] = (),
     prefix: str = "#",
+    continued: bool = False,
 ) -> Callable[[StatementHandler], StatementHandler]:
     """Register the decorated handler for a # statement (cycle calls: name "CALL L CYCLE", prefix "").
 
@@ -196,7 +197,7 @@ def statement(
             STATEMENTS[alias] = Statement(
                 StatementSyntax(
                     alias, written, spec, form, keys, words, optional, beside, flush, modal,
-                    name if alias != name else "", prefix,
+                    name if alias != name else "", prefix, continued,
                 ),
                 handler,
             )  # fmt: skip

@@ -16,7 +16,7 @@ from runtime.cnc.language.isg import functions
 from runtime.cnc.language.isg.expressions import NUMBER_LIMIT, number
 from runtime.cnc.language.isg.index import BlockText
 from runtime.cnc.language.isg.parser import MAX_PARAMETER
-from runtime.cnc.language.isg.syntax import Vocabulary
+from runtime.cnc.language.isg.syntax import Group, Vocabulary
 from runtime.cnc.language.isg.words import (
     ControlStatement,
     Expression,
@@ -155,6 +155,8 @@ class CompiledBlock:
     dwell: int = -1
     dwell_revolutions: bool = False
     call: Word | None = None
+    call_slot: int = -1  # of its name, where a variable gives it
+    return_slots: tuple[int, int] = (-1, -1)  # levels and block number of `returning`
     returning: Word | None = None
     goto: Word | None = None
     goto_slot: int = -1
@@ -209,6 +211,20 @@ class _Emitter:
             self.constants.append(expression.constant)
         return index
 
+    def given(self, values: tuple[Expression | None, ...]) -> tuple[int, ...]:
+        """Values of a call that become transfer parameters one after the other: a later one may name an earlier one
+        (G803[5,@P1], line 4316)."""
+        if not any(value is not None and "(" in value.source for value in values):
+            return tuple(self.slot(value) for value in values)
+        self.constant = False
+        self.lines.append("begin_transfer()")
+        slots = []
+        for place, value in enumerate(values, 1):
+            slots.append(self.slot(value))
+            if value is not None:
+                self.lines.append(f"give_transfer({place}, {self.slots[-1]})")
+        return tuple(slots)
+
     def assign(self, target: str, expression: Expression) -> None:
         self.constant = False
         self.flush |= expression.flush
@@ -255,6 +271,7 @@ def compile_block(
     additions: list[tuple[str, int]] = []
     declarations: list[DeclarationSlots] = []
     special: dict[WordKind, Word] = {}
+    return_slots = -1, -1
     number = emitter.slot(block.number)
     for word in block.words:
         kind = word.kind
@@ -268,7 +285,10 @@ def compile_block(
         elif kind in functions_of:
             functions_of[kind].append(FunctionSlots(word, emitter.slot(word.value), emitter.slot(word.extra)))
         elif kind is WordKind.G:
-            g.append(GSlots(word, emitter.slot(word.value), tuple(emitter.slot(value) for value in word.values)))
+            slot = emitter.slot(word.value)
+            calls = word.index in vocabulary.g and vocabulary.g[word.index].group is Group.CALL
+            given = emitter.given(word.values) if calls else tuple(emitter.slot(value) for value in word.values)
+            g.append(GSlots(word, slot, given))
         elif kind is WordKind.ADDITION:
             additions.append((word.name, emitter.slot(word.value)))
         elif kind is WordKind.DECLARATION:
@@ -276,10 +296,14 @@ def compile_block(
             declarations.append(DeclarationSlots(word, values, tuple(emitter.slot(index) for index in word.indices)))
         elif kind in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL):
             special[WordKind.CALL_LOCAL] = word
-        elif kind in (WordKind.RETURN, WordKind.GOTO):
+            slots[WordKind.CALL_LOCAL] = emitter.slot(word.value)
+        elif kind is WordKind.RETURN:
             special[kind] = word
-            if word.value is not None:
-                slots[kind] = emitter.slot(word.value)
+            jumps, target = word.values
+            return_slots = emitter.slot(jumps), emitter.slot(target)
+        elif kind is WordKind.GOTO:
+            special[kind] = word
+            slots[kind] = emitter.slot(word.value)
         else:
             slots[kind] = emitter.slot(word.value)
     statement = _statement(block.statement, emitter)
@@ -310,10 +334,12 @@ def compile_block(
         tuple(functions_of[WordKind.H]),
         dwell,
         dwell >= 0 and block.words[0].index == 1,
-        special.get(WordKind.CALL_LOCAL),
-        special.get(WordKind.RETURN),
-        special.get(WordKind.GOTO),
-        slots.get(WordKind.GOTO, -1),
+        call=special.get(WordKind.CALL_LOCAL),
+        call_slot=slots.get(WordKind.CALL_LOCAL, -1),
+        return_slots=return_slots,
+        returning=special.get(WordKind.RETURN),
+        goto=special.get(WordKind.GOTO),
+        goto_slot=slots.get(WordKind.GOTO, -1),
         declarations=tuple(declarations),
         additions=tuple(additions),
         statement=statement,

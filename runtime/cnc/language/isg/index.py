@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from runtime.cnc.language.addresses import Addresses
@@ -43,7 +43,8 @@ _LABEL_NAME = re.compile(
 _CORNER = re.compile(r"[Gg]\s*0*30[12](?!\d)")
 _HEAD = re.compile(r"[\s/]*\d*\s*(?:[Nn][^$]*)?(?:\[\s*\w+\s*\]\s*)?")
 _BLOCK_NUMBER = re.compile(r"[\s/]*\d*\s*[Nn]\s*(\d+)")
-_COMMENT_BLOCK = re.compile(r"\s*(?:[Nn]\s*\d+\s*)?#\s*COMMENT\s+(BEGIN|END)\b", re.IGNORECASE)
+_COMMENT_BLOCK = re.compile(r"\s*(?:[Nn]\s*\d+\s*)?#COMMENT[ \t]+(BEGIN|END)(?![A-Za-z0-9_])", re.IGNORECASE)
+_COMMENT_BESIDE = re.compile(r"#COMMENT[ \t]+(BEGIN|END)(?![A-Za-z0-9_])", re.IGNORECASE)
 _CONTROLS = {control.value[1:]: control for control in Control}
 _OPENING = {
     Control.ELSEIF: Control.IF,
@@ -66,7 +67,7 @@ _CLOSING = {
     Control.REPEAT: Control.UNTIL,
 }
 LOOPS = frozenset((Control.FOR, Control.WHILE, Control.DO, Control.REPEAT))
-_MIDDLE = frozenset((Control.ELSEIF, Control.ELSE, Control.CASE, Control.DEFAULT))
+MIDDLE = frozenset((Control.ELSEIF, Control.ELSE, Control.CASE, Control.DEFAULT))
 
 
 @dataclass(slots=True)
@@ -92,6 +93,16 @@ class Section:
     end: int = -1
     numbers: dict[int, int] = field(default_factory=dict)  # expression labels N10: → entry
     names: dict[str, int] = field(default_factory=dict)  # string labels, upper case → entry
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What a channel may choose: whether #COMMENT blocks nest (programming manual line 12395), how many labels of a file are
+    stored and how long a name may be (lines 8571–8576)."""
+
+    nested_comments: bool = True
+    labels: int = 20_000
+    label_length: int = 83
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,10 +138,12 @@ class Unit:
     `name` is what blocks call it; errors name the file with its path (`text.name`).
     """
 
-    def __init__(self, name: str, text: ProgramText, addresses: Addresses) -> None:
+    def __init__(self, name: str, text: ProgramText, addresses: Addresses, rules: Rules = Rules()) -> None:
         self.name = name
         self.text = text
         self.addresses = addresses
+        self.rules = rules
+        self.notes: list[Fault] = []  # warnings that nobody has told yet
         self.local_programs: dict[str, Section] = {}
         self.main: Section | None = None
         self.links: dict[int, Link] = {}
@@ -155,6 +168,7 @@ class Unit:
         self._comment_depth = 0
         self._comment_line = 0
         self.ended = False
+        self._noted: set[ErrorEntry] = set()
 
     # ------------------------------------------------------------------ what others read
 
@@ -226,13 +240,33 @@ class Unit:
         """The entry of an expression label, -1 if the section has none."""
         while number not in section.numbers and section.end < 0:
             self.grow()
+        if number not in section.numbers and len(section.numbers) >= self.rules.labels:
+            return self._searched(section, lambda text: _label_number(text) == number)
         return section.numbers.get(number, -1)
 
     def find_name(self, section: Section, name: str) -> int:
         """The entry of a string label (upper case), -1 if the section has none."""
         while name not in section.names and section.end < 0:
             self.grow()
+        if name not in section.names and len(section.names) >= self.rules.labels:
+            return self._searched(section, lambda text: _label_name(text) == name)
         return section.names.get(name, -1)
+
+    def _searched(self, section: Section, fits: Callable[[str], bool]) -> int:
+        """The first block of a section that fits: for labels that were not stored."""
+        for entry in range(max(section.begin, self._base), section.end):
+            if not self.count(entry) and fits(without_comments(self.block_text(entry).text)):
+                return entry
+        return -1
+
+    @property
+    def complete(self) -> bool:
+        """Nothing of what was read is forgotten."""
+        return not self._base
+
+    def anew(self) -> Unit:
+        """The same file with an index of its own, from its start on: for somebody who goes back behind what is forgotten."""
+        return Unit(self.name, self.text, self.addresses, self.rules)
 
     def block_text(self, entry: int) -> BlockText:
         """The text of a block entry, with the lines that continue it."""
@@ -243,7 +277,9 @@ class Unit:
         text, following = self.text.line(offset)
         if "\\" not in text or not _continued(text):
             return BlockText(text, line)
-        joined, pieces, lines = "", [], []
+        joined = ""
+        pieces: list[int] = []
+        lines: list[str] = []
         while True:
             part = _continued(text)
             lines.append(text)
@@ -287,20 +323,20 @@ class Unit:
         self._base = entry
         self.links = {key: link for key, link in self.links.items() if key >= entry}
 
-    def numbered(self, first: int, section: Section, number: int) -> tuple[int, int] | None:
-        """The first block with this N word from entry `first` on: its entry and, in a plain run, its row there; None."""
-        entry = first
+    def numbered(self, first: tuple[int, int], section: Section, number: int) -> tuple[int, int] | None:
+        """The first block with this N word from a position (entry, row) on: its position; None without one."""
+        entry, begin = first
         while self.has(entry, section):
             if self.count(entry):
                 rows, _ = self.rows(entry)
-                for row in range(self.count(entry)):
+                for row in range(begin, self.count(entry)):
                     if rows.number[row] == number:
                         return entry, row
             else:
                 match = _BLOCK_NUMBER.match(self.block_text(entry).text)
                 if match and int(match.group(1)) == number:
                     return entry, 0
-            entry += 1
+            entry, begin = entry + 1, 0
         return None
 
     # ------------------------------------------------------------------ growing
@@ -333,13 +369,16 @@ class Unit:
         offset, line = self._offset, self._line
         text, self._offset = self.text.line(offset)
         self._line += 1
-        try:
-            blanked = blank_comments(text)
-        except LineError:
-            blanked = text  # told when the block is parsed
+        blanked = without_comments(text)
         comment = _COMMENT_BLOCK.match(blanked)
+        if comment is None and "#" in blanked and not self._comment_depth:
+            beside = _COMMENT_BESIDE.search(blanked)
+            if beside and blanked.count('"', 0, beside.start()) % 2 == 0:
+                self._outside(offset, line)
+                self._fault(catalogue.NOT_ALONE, line, beside.start() + 1, text, word=beside.group())
+                return
         if comment:
-            self._comment_block(comment.group(1).upper(), blanked, offset, line)
+            self._comment_block(comment, blanked, text, offset, line)
             return
         if self._comment_depth:
             return
@@ -356,6 +395,8 @@ class Unit:
         elif self._sections[-1].end >= 0:
             return  # behind a header that could not be taken
         entry = self._append(offset, line, 0)
+        if self._line - line > 1:
+            blanked = without_comments(self.text_at(offset, line).text)
         self._classify(entry, blanked, line)
 
     def _append(self, offset: int, line: int, count: int) -> int:
@@ -375,13 +416,23 @@ class Unit:
         if "30" in text and _CORNER.search(text):
             self.corner_blocks.add(entry)
         if "N" in text or "n" in text:
-            match = _LABEL_NUMBER.match(text)
-            if match:
-                section.numbers.setdefault(int(match.group(1)), entry)
+            number = _label_number(text)
+            if number is not None and number not in section.numbers:
+                if len(section.numbers) < self.rules.labels:
+                    section.numbers[number] = entry
+                else:
+                    self._note(catalogue.LABELS_FULL, entry, line, text)
         if "[" in text:
-            match = _LABEL_NAME.match(text.lstrip())
-            if match:
-                section.names.setdefault(match.group(1).upper(), entry)
+            name = _label_name(text)
+            if name is not None and len(name) > self.rules.label_length:
+                self._fault(
+                    catalogue.LABEL_LENGTH, line, text.find("[") + 1, text, name=name, limit=self.rules.label_length
+                )
+            elif name is not None and name not in section.names:
+                if len(section.names) < self.rules.labels:
+                    section.names[name] = entry
+                else:
+                    self._note(catalogue.NAMES_FULL, entry, line, text)
         if "$" not in text:
             return
         matches = [m for m in _CONTROL.finditer(text) if text.count('"', 0, m.start()) % 2 == 0]
@@ -391,6 +442,12 @@ class Unit:
         if not words or words[0] not in _CONTROLS or not _HEAD.fullmatch(text, 0, matches[0].start()):
             return  # told by the parser
         self._control(entry, _CONTROLS[words[0]], line, matches[0].start() + 1, text)
+
+    def _note(self, what: ErrorEntry, entry: int, line: int, text: str) -> None:
+        """A warning, the same one once per file."""
+        if what not in self._noted:
+            self._noted.add(what)
+            self.notes.append(Fault(what, line, 1, text, {"limit": self.rules.labels}))
 
     def _control(self, entry: int, control: Control, line: int, column: int, text: str) -> None:
         """Link a control statement with those of its structure."""
@@ -420,7 +477,7 @@ class Unit:
             self._fault(catalogue.CONTROL_WITHOUT_START, line, column, text, statement=control.value, start="$IF")
         links[previous].following = entry
         links[entry] = Link(control, first, tuple(self._open[:-1]))
-        if control not in _MIDDLE:
+        if control not in MIDDLE:
             self._open.pop()
             self._around = tuple(self._open)
             step = first
@@ -428,16 +485,30 @@ class Unit:
                 links[step].last = entry
                 step = links[step].following
 
-    def _comment_block(self, what: str, text: str, offset: int, line: int) -> None:
-        if what == "BEGIN":
-            if not self._comment_depth:
+    def _comment_block(self, match: re.Match[str], blanked: str, text: str, offset: int, line: int) -> None:
+        begins, column = match.group(1).upper() == "BEGIN", blanked.find("#") + 1
+        inside = self._comment_depth > 0
+        if begins:
+            if not inside:
                 self._comment_line = line
             self._comment_depth += 1
-        elif self._comment_depth:
+            if not self.rules.nested_comments:
+                self._comment_depth = 1
+        elif inside:
             self._comment_depth -= 1
-        elif self._sections:
+        else:
+            self._outside(offset, line)
+            self._fault(catalogue.COMMENT_BLOCK_END, line, column, text)
+        if blanked[match.end() :].strip() and not (begins and inside):
+            self._outside(offset, line)
+            self._fault(catalogue.NOT_ALONE, line, column, text, word=f"#COMMENT {match.group(1).upper()}")
+
+    def _outside(self, offset: int, line: int) -> None:
+        """An entry for a faulty line that is no block; a file that has nothing yet begins with it."""
+        if not self._sections:
+            self._begin("", False, line)
+        if not (self._lines and self._lines[-1] == line):
             self._append(offset, line, 0)
-            self._fault(catalogue.COMMENT_BLOCK_END, line, text.find("#") + 1, text)
 
     def _header(self, blanked: str, text: str, offset: int, line: int) -> None:
         """% NAME or %L NAME."""
@@ -506,6 +577,24 @@ class Unit:
     def sections(self) -> Iterator[Section]:
         """All sections that are known."""
         yield from self._sections
+
+
+def without_comments(text: str) -> str:
+    """The text with its comments blanked; as it is if they are faulty, which is told when the block is parsed."""
+    try:
+        return blank_comments(text)
+    except LineError:
+        return text
+
+
+def _label_number(text: str) -> int | None:
+    match = _LABEL_NUMBER.match(text)
+    return int(match.group(1)) if match else None
+
+
+def _label_name(text: str) -> str | None:
+    match = _LABEL_NAME.match(text.lstrip())
+    return match.group(1).upper() if match else None
 
 
 _WITHOUT_NUMBER = re.compile(r"^\s*[Nn]\s*\d+(?![\w:])")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 
@@ -15,6 +16,7 @@ from runtime.cnc.language.isg.comments import LineError, blank_comments
 from runtime.cnc.language.isg.environment import Access, Environment
 from runtime.cnc.language.isg.macros import define_and_replace, g_expressions
 from runtime.cnc.language.isg.numeric_blocks import numeric_block
+from runtime.cnc.language.isg.returning import parse_return
 from runtime.cnc.language.isg.statements import StatementParser, beside_words, statement_at
 from runtime.cnc.language.isg.syntax import Group, GSyntax, Values, Vocabulary
 from runtime.cnc.language.isg.syntax_errors import explain
@@ -263,8 +265,7 @@ class _Builder(Transformer[Token, ParsedBlock]):
         return Word(kind, _column(letter), self._value(number, letter), extra=extra)
 
     def returning(self, token: Token) -> Word:
-        number, inside = token[1:].split("[", 1)
-        return Word(WordKind.RETURN, _column(token), index=int(number), name=inside[:-1])
+        return Word(WordKind.RETURN, _column(token), index=int(token[1 : token.index("[")]), name=str(token))
 
     def g(self, token: Token, value: Expression | None = None) -> Word:
         return Word(WordKind.G, _column(token), value and self._value(value, token), int(token[1:]))
@@ -333,7 +334,7 @@ class _Builder(Transformer[Token, ParsedBlock]):
 
     # -- jumps, control statements, blocks
 
-    def goto_number(self, token: Token, _: Token, number: Expression) -> Word:
+    def goto_number(self, token: Token, _: Token, number: Expression, __: Token | None) -> Word:
         return Word(WordKind.GOTO, _column(token), self._value(number, "N"))
 
     def goto_label(self, token: Token, label: Token) -> Word:
@@ -429,12 +430,11 @@ class BlockParser:
             blanked = self._g_numbers(replaced) if replaced != blanked else blanked
         at = statement_at(blanked)
         if at is not None:
-            head = self._by_lark(blanked[: at.start], "head")
-            assert isinstance(head, ParsedBlock)
             alone, beside = beside_words(blanked)
             if beside is not None and not beside.adds:
                 alone, beside = blanked, None
             statement = self._statements.parse(alone, at)
+            head = self._head(blanked[: at.start], statement)
             added = self._statements.parse(beside.text, beside.at) if beside is not None else None
             return ParsedBlock((), None, statement, head.number, head.skip_level, head.label, macros, added)
         blanked, beside = beside_words(blanked)
@@ -443,11 +443,32 @@ class BlockParser:
             addition = self._statements.parse(beside.text, beside.at)
         parsed = self._by_lark(blanked, "block")
         assert isinstance(parsed, ParsedBlock)
-        if macros or addition is not None:
-            return ParsedBlock(
-                parsed.words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
-            )
-        return parsed
+        words = tuple(self._completed(word) for word in parsed.words)
+        return ParsedBlock(
+            words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
+        )
+
+    def _head(self, text: str, statement: ParsedStatement) -> ParsedBlock:
+        """What stands in front of a statement: skip level, block number, label, and nothing else."""
+        try:
+            head = self._by_lark(text, "head")
+        except LineError:
+            self._by_lark(text, "block")  # tells what is wrong with the words themselves
+            syntax = statement.syntax
+            word = syntax.prefix + syntax.name.removeprefix("CALL ")
+            raise LineError(catalogue.NOT_ALONE, statement.column, word=word) from None
+        assert isinstance(head, ParsedBlock)
+        return head
+
+    def _completed(self, word: Word) -> Word:
+        """A word whose inside has a grammar of its own: calls by a variable, returns to a chosen place."""
+        if word.kind is WordKind.RETURN:
+            return parse_return(word, self)
+        if word.kind in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL) and word.name.upper().startswith("V."):
+            at = word.column + (2 if word.kind is WordKind.CALL_LOCAL else 1)
+            name = expressions.string(self.expression(word.name, at), word.name, word.column)
+            return replace(word, value=name)
+        return word
 
     def _g_numbers(self, text: str) -> str:
         """A block with macros in it, expressions of plain numbers behind G computed (line 26085)."""

@@ -191,6 +191,10 @@ class StatementParser:
                 yield Argument(key.name, column, value, path, index)
                 position = _skip(text, stop, " \t,")
                 continue
+            if key.kind is KeyKind.LABEL:
+                yield Argument(key.name, column, text=match.group()[1:-1].strip().upper())
+                position = _skip(text, position, " \t,")
+                continue
             if key.kind is KeyKind.FLAG:
                 yield Argument(key.name, column, index=index)
                 position = _skip(text, position, " \t,")
@@ -404,6 +408,8 @@ def _key_pattern(keys: tuple[Key, ...]) -> re.Pattern[str]:
             name += r"(?![A-Za-z0-9_])"
         elif key.kind in (KeyKind.AXIS, KeyKind.WORD, KeyKind.NAME):
             name += r"(?=[ \t=\"])"
+        elif key.kind is KeyKind.LABEL:
+            name = r"\[[ \t]*[A-Za-z_][A-Za-z0-9_]*[ \t]*\]"
         else:
             name += r"(?![A-OQ-UW-Za-z_](?![A-Za-z_0-9]*\[))"
         alternatives.append(f"(?P<k{number}>{name})")

@@ -68,6 +68,7 @@ class KeyKind(Enum):
     WORD = auto()  # one of `words`
     NAME = auto()  # a file or program name, quoted or not
     TARGET = auto()  # something that can be assigned: P parameter or variable, written as the key itself
+    LABEL = auto()  # a string label in brackets, without a key
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +101,7 @@ class StatementSyntax:
 
     `optional`: the arguments may be left out. `words` may stand in front of the bracket of a message. `beside`: it may
     stand beside other words of a block, at its end. `flush`: the preparation has to be in step with the interpolator before it.
+    `continued`: a backslash may tie the next line to it (cycle calls always may).
     """
 
     name: str
@@ -114,6 +116,7 @@ class StatementSyntax:
     modal: bool = False
     alias_of: str = ""
     prefix: str = "#"
+    continued: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,11 +22,7 @@ _UNSUPPORTED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"[Rr]\s*1?(?=[^\w=]|$)"), "reading the circle radius R"),
 )
 _QUOTED = re.compile(r'"((?:\\.|[^"\\])*)"?')
-_ADDRESSES_TO_COME = "DdEeOo"
-_CONTROLS_TO_COME = frozenset(
-    ("SWITCH", "CASE", "DEFAULT", "ENDSWITCH", "DO", "ENDDO", "REPEAT", "UNTIL", "BREAK", "CONTINUE", "GOTO")
-)
-_CONTROLS = frozenset(control.value[1:] for control in Control)
+_CONTROLS = frozenset((*(control.value[1:] for control in Control), "GOTO"))
 _CONTROL_WORD = re.compile(r"\$[A-Za-z]+")
 _BRACKETED_CALL = re.compile(r"[Ll]{1,2}\s*(CYCLE|SEQUENCE)$")
 _LAST_ADDRESS = re.compile(r"(\$?[A-Za-z][A-Za-z0-9_]*|[^\s])$")
@@ -68,8 +64,6 @@ def explain(text: str, error: UnexpectedInput, addresses: Addresses) -> LineErro
             return bracket
         return LineError(catalogue.VALUE_MISSING, column, address=_before(text[:position]))
     if rest[0].isalpha():
-        if rest[0] in _ADDRESSES_TO_COME:
-            return LineError(catalogue.ADDRESS_UNSUPPORTED, column, address=rest[0])
         return LineError(catalogue.ADDRESS_UNKNOWN, column, address=rest[0], axes=", ".join(addresses.axes))
     return bracket or LineError(catalogue.SYNTAX, column, found=rest.split()[0][:20])
 
@@ -105,8 +99,6 @@ def _before(text: str) -> str:
 def _control(rest: str, column: int) -> LineError:
     match = re.match(r"\$[A-Za-z]*", rest)
     statement = match.group().upper() if match else "$"
-    if statement[1:] in _CONTROLS_TO_COME:
-        return LineError(catalogue.NOT_SUPPORTED, column, what=f"control statement {statement}")
     if statement[1:] in _CONTROLS:
         return LineError(catalogue.CONTROL_PLACE, column, statement=statement)
     return LineError(catalogue.CONTROL_UNKNOWN, column, statement=statement)

@@ -36,7 +36,7 @@ class WordKind(IntEnum):
     ADDITION = auto()  # #ANG, #CANG, #CHR, #CHF, #RND, #FRC; `name` without #
     CALL_LOCAL = auto()
     CALL_GLOBAL = auto()
-    RETURN = auto()  # M17 or M29 with brackets; `name` is what stands in them
+    RETURN = auto()  # M17 or M29 with brackets
     GOTO = auto()
 
 
@@ -63,7 +63,8 @@ class Word:
 
     For ASSIGNMENT `target` is the source of a call that takes the value, with `{}` in its place. For DECLARATION `name` is
     the path of the variable, `target` its type or "", `values` the initial values, `indices` the sizes. `values` of a G word
-    are the bracketed ones of G80[1,,2]: None where a place is empty.
+    are the bracketed ones of G80[1,,2]: None where a place is empty. A call by a variable has its name as `value`. Of RETURN
+    `target` is "MAIN" or "", `values` are levels and block number, `name` is a string label.
     """
 
     kind: WordKind

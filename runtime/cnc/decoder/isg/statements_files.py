@@ -1,0 +1,30 @@
+"""# statements of files (programming manual lines 16058–16300)."""
+
+from __future__ import annotations
+
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.isg.g_calls import CALLS
+from runtime.cnc.decoder.isg.registry import StatementCall, statement
+from runtime.cnc.decoder.library import wrong_name
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
+
+_FUNCTIONS = ("MSG", "M6", "D", *(f"G{number}" for number in CALLS))
+
+
+@statement(
+    "FILE NAME",
+    "isg.add.file-name",
+    syntax='#FILE NAME [MSG="<file>" M6="<file>" D="<file>" G80="<file>" …]',
+    form=Form.KEYS,
+    keys=tuple(Key(name, KeyKind.NAME) for name in _FUNCTIONS),
+)
+def file_name(x: Execution, call: StatementCall) -> None:
+    """Names of files that functions use, until the program ends; `x.state["file names"]` holds them."""
+    names: dict[str, str] = x.state.setdefault("file names", {})
+    for argument, _ in call:
+        name = call.text(argument.name) or ""
+        wrong = wrong_name(name)
+        if wrong is not None:
+            raise LineError(wrong[0], argument.column, **wrong[1])
+        names[argument.name] = name
