@@ -7,6 +7,7 @@ import re
 from runtime.cnc.blocks import Source, Stop, StopKind
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.frames import Frame, Level, Loop
+from runtime.cnc.decoder.selection import restore_modal
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
@@ -294,8 +295,7 @@ def restore(x: Execution, frame: Frame) -> None:
     assert frame.saved is not None
     saved = frame.saved
     saved.speed, saved.tool = x.modal.speed, x.modal.tool
-    x.modal = saved
-    x.modal_changed()
+    restore_modal(x, saved)
 
 
 def end_of_section(x: Execution, flow: Flow) -> None:

@@ -500,7 +500,7 @@ def test_only_the_first_move_of_a_run_is_split_off() -> None:
 def test_a_run_of_one_move_and_the_plane_of_a_run() -> None:
     a = line(at(0, -10, 0), at(0, 0, 0), Corner(ROUNDING, 2.0))
     points = np.array([at(0, 0, 0), at(5, 0, 10)])
-    run = Polyline("p", points, np.array([math.inf]), np.array([4]), np.array([-1]), at(), (1, 2))
+    run = Polyline("p", points, np.array([math.inf]), np.array([4]), np.array([-1]), at(), plane=(1, 2))
     out = worked(a, run)
     assert [type(block) for block in out] == [Line, Arc, Line, BlockEnd]
     insert, move = out[1:3]
