@@ -310,6 +310,7 @@ class Unit:
             self._window, self._window_base = self.text.window(self._offset, WINDOW), self._offset
             begin, final = 0, self._offset + self._window.size >= self.text.size
         count, end, _ = self._scanner.scan(self._window, begin, final)
+        self._scanned = (-1, 0)  # also a line that turns out not to be plain has written into the rows
         if not count:
             return False
         entry = self._append(self._offset, self._line, count)
