@@ -272,7 +272,8 @@ class WordBlocks:
         """Functions that tolerate nothing beside them but their arguments."""
         for call in calls:
             if G_FUNCTIONS[call.number].syntax.alone and any(
-                word.kind not in (WordKind.G, WordKind.AXIS) for word in block.words
+                word.kind is not WordKind.AXIS and (word.kind is not WordKind.G or word.index != call.number)
+                for word in block.words
             ):
                 raise LineError(catalogue.NOT_ALONE, call.column, word=f"G{call.number}")
 
