@@ -75,6 +75,7 @@ class Line:
     """A straight move of all axes; `end_pcs` are the programmed coordinates of the target.
 
     `plane` holds the indices of the two axes of the active plane. `end_feed` is the feed wanted at the end (E word).
+    `pcs_gain` (n_axes,) is machine way per programmed way (mirroring, scale), None is 1 for all axes.
     """
 
     source: Source
@@ -87,6 +88,11 @@ class Line:
     corner: Corner | None = None
     end_feed: float | None = None
     override_off: bool = False  # G166: every override counts as 100 %
+    pcs_gain: Floats | None = None
+
+    def programmed(self, place: Floats) -> Floats:
+        """Programmed coordinates of a place on the way, (n_axes,)."""
+        return _programmed(self, place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +101,7 @@ class Arc:
 
     `plane` holds the indices of the two axes that span it, first and second by the right-hand rule (X Y, Z X, Y Z).
     `centre` is their machine coordinates, shape (2,). `angle` is the signed opening angle in degrees, counter-clockwise
-    positive, several turns allowed.
+    positive, several turns allowed. `pcs_gain` as in Line.
     """
 
     source: Source
@@ -110,6 +116,16 @@ class Arc:
     corner: Corner | None = None
     end_feed: float | None = None
     override_off: bool = False
+    pcs_gain: Floats | None = None
+
+    def programmed(self, place: Floats) -> Floats:
+        """Programmed coordinates of a place on the way, (n_axes,)."""
+        return _programmed(self, place)
+
+
+def _programmed(motion: Line | Arc, place: Floats) -> Floats:
+    way = place - motion.end
+    return motion.end_pcs + (way if motion.pcs_gain is None else way / motion.pcs_gain)
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,13 +75,12 @@ def radius_transition(arc: Arc) -> list[Arc]:
     radii = first + shares * (last - first)
     points[1:-1, axes[0]] = arc.centre[0] + radii * np.cos(turned)
     points[1:-1, axes[1]] = arc.centre[1] + radii * np.sin(turned)
-    shift = arc.end - arc.end_pcs
     pieces = [
         replace(
             arc,
             start=points[i],
             end=points[i + 1],
-            end_pcs=points[i + 1] - shift,
+            end_pcs=arc.programmed(points[i + 1]),
             radius=float(np.linalg.norm(points[i, axes] - arc.centre)),
             angle=arc.angle / count,
             corner=None,

@@ -23,16 +23,24 @@ from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, Sta
 from runtime.cnc.decoder.modal import FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.returns import return_to
+from runtime.cnc.decoder.selection import select_zero_offset
+from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import Functions, functions_of
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
 from runtime.cnc.language.isg.index import Unit
 from runtime.cnc.language.isg.macros import check_content
+from runtime.cnc.language.isg.syntax import Group
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 SUBPROGRAM_END = (17, 29)
+_FIRST = (Group.PLANE, Group.UNIT, Group.DIMENSION, Group.FEED_MODE)  # they say how the arguments of others count
+
+
+def _comes_later(call: GCall) -> bool:
+    return G_FUNCTIONS[call.number].syntax.group not in _FIRST
 
 
 class WordBlocks:
@@ -43,7 +51,8 @@ class WordBlocks:
         self._flow = flow
 
     def begin_program(self) -> None:
-        """The G functions that hold from program start on (prog_start.g_gruppe)."""
+        """The zero offset and the G functions that hold from program start on (V.G.NP_DEFAULT, prog_start.g_gruppe)."""
+        select_zero_offset(self._x, self._x.memory.zero_default)
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
@@ -84,6 +93,8 @@ class WordBlocks:
             value = values[slot]
             if inch and linear[axis]:
                 value *= INCH
+            if motion == 0 and not incremental and axis in x.modulo_axes:
+                return False
             place = value * gain[axis] + (end[axis] if incremental else shift[axis])
             if not (-POSITION_LIMIT <= place <= POSITION_LIMIT and -POSITION_LIMIT <= value <= POSITION_LIMIT):
                 return False
@@ -119,9 +130,9 @@ class WordBlocks:
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
-        x.feed_taken = x.override_off = x.radius_taken = x.moved_by_function = False
+        x.feed_taken = x.override_off = x.radius_taken = False
         x.values = values
-        calls = [self._g_call(slots, values) for slots in block.g]
+        calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
         self._alone(block, calls)
         for declaration in block.declarations:
             declare(x, declaration, values)
@@ -171,18 +182,23 @@ class WordBlocks:
         """The motion of the block; whether there is any."""
         x = self._x
         if block.dwell >= 0:
+            additions.expect_no_line(x)
             dwell(x, block, values)
             return True
-        if x.axes_taken or not (block.axes or block.interpolation or x.additions):
-            return x.moved_by_function
         corner = additions.corner_of(x, block)
+        words = not x.axes_taken and bool(block.axes or block.interpolation)
+        if not words and not (x.additions and not x.axes_taken):
+            additions.expect_motion(x, block, corner)
+            return False
         if additions.contour_line(x, block, corner) or additions.arc_by_angle(x, block, corner):
             return True
-        if not (block.axes or block.interpolation):
-            if corner is not None:
-                raise LineError(catalogue.CORNER_WITHOUT_MOTION, block.column(WordKind.ADDITION))
+        if not words:
+            additions.expect_motion(x, block, corner)
             return False
-        move(x, block, corner)
+        if x.modal.motion is Motion.ARC_IN_SPACE:
+            spatial_arc(x, block, corner)
+        else:
+            move(x, block, corner)
         return True
 
     def _actions(
@@ -218,6 +234,7 @@ class WordBlocks:
         if number in SUBPROGRAM_END and len(x.frames) > 1:
             x.levels.leave()
             return
+        additions.expect_no_line(x)
         if len(x.frames) > 1 and x.frame.level is not Level.FINAL:
             x.warn(catalogue.END_IN_SUBPROGRAM, column, number=number, name=x.frame.section.name or x.unit.name)
         x.levels.finish(held, column)
@@ -234,7 +251,8 @@ class WordBlocks:
         """Functions that tolerate nothing beside them but their arguments."""
         for call in calls:
             if G_FUNCTIONS[call.number].syntax.alone and any(
-                word.kind not in (WordKind.G, WordKind.AXIS) for word in block.words
+                word.kind is not WordKind.AXIS and (word.kind is not WordKind.G or word.index != call.number)
+                for word in block.words
             ):
                 raise LineError(catalogue.NOT_ALONE, call.column, word=f"G{call.number}")
 

@@ -9,7 +9,7 @@ is only taken up by the next absolute word. Lengths in mm and degrees, lists of 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -72,7 +72,7 @@ class Coordinates:
     shift: list[float] = field(default_factory=list)
     travelled: tuple[list[float], list[float]] = ([], [])
     last_rotation: Rotation | None = None
-    full_shift: list[float] | None = None  # while a block leaves out offsets: the shift that holds again behind it
+    left_out: frozenset[str] = frozenset()  # kinds of offsets that the block in work leaves out
 
     @classmethod
     def at(cls, position: Floats) -> Coordinates:
@@ -99,30 +99,27 @@ class Coordinates:
         scale = self.scale if self.scale_active else [1.0] * len(self.position)
         axes = range(len(self.position))
         self.gain = [scale[i] * self.mirror_plane[i] * self.mirror_axis[i] for i in axes]
-        self.shift = [
-            o.zero[i] + o.reference[i] * self.mirror_axis[i] + o.preset[i] + o.clamp[i] + o.tool[i] + o.measuring[i]
-            for i in axes
-        ]
-
-    def suppress(self, kinds: Sequence[str]) -> None:
-        """Leave out kinds of offsets until `resume`."""
-        o = self.offsets
-        of_kind = {
+        kinds = {
             "ZERO": o.zero,
-            "ADD_ZERO": [value * self.mirror_axis[axis] for axis, value in enumerate(o.reference)],
+            "ADD_ZERO": [o.reference[i] * self.mirror_axis[i] for i in axes],
             "PSET": o.preset,
             "CLAMP": o.clamp,
             "TOOL": o.tool,
             "MEASURE": o.measuring,
         }
-        self.full_shift = self.shift
-        left = [of_kind[kind] for kind in kinds if kind in of_kind]
-        self.shift = [value - sum(part[axis] for part in left) for axis, value in enumerate(self.shift)]
+        kept = [values for kind, values in kinds.items() if kind not in self.left_out]
+        self.shift = [sum((values[i] for values in kept), 0.0) for i in axes]
+
+    def suppress(self, kinds: Iterable[str]) -> None:
+        """Leave out kinds of offsets (the keys of #SUPPRESS OFFSETS) until `resume`."""
+        self.left_out = frozenset(kinds)
+        self.update()
 
     def resume(self) -> None:
         """All offsets hold again."""
-        if self.full_shift is not None:
-            self.shift, self.full_shift = self.full_shift, None
+        if self.left_out:
+            self.left_out = frozenset()
+            self.update()
 
     def target(self, words: Mapping[int, float], incremental: Mapping[int, bool] | bool) -> list[float]:
         """Machine position after a move to the programmed words (axis → mm or degrees, inch already converted)."""
@@ -148,24 +145,40 @@ class Coordinates:
         for place, axis in enumerate(rotation.plane):
             if axis in words:
                 relative = incremental if isinstance(incremental, bool) else incremental.get(axis, False)
-                scale = self.scale[axis] if self.scale_active else 1.0
-                wanted[place] = words[axis] * scale + (now[place] if relative else 0.0)
+                wanted[place] = words[axis] * self.scale_of(axis) + (now[place] if relative else 0.0)
         turned = rotation.turned(*wanted)
         for place, axis in ((0, first), (1, second)):
-            mirror = self.mirror_plane[axis] * self.mirror_axis[axis]
-            end[axis] = (turned[place] + rotation.centre[place]) * mirror + self.shift[axis]
+            end[axis] = (turned[place] + rotation.centre[place]) * self.mirror(axis) + self.shift[axis]
+
+    def mirror(self, axis: int) -> float:
+        """-1 for an axis that is mirrored, else 1."""
+        return self.mirror_plane[axis] * self.mirror_axis[axis]
+
+    def scale_of(self, axis: int) -> float:
+        """The factor that programmed values of an axis are multiplied with, 1 while scaling is off."""
+        return self.scale[axis] if self.scale_active else 1.0
+
+    def contour_place(self, axis: int) -> float:
+        """Where the position lies on an axis of the contour: without offsets and mirroring, rotated and scaled as it is."""
+        return (self.position[axis] - self.shift[axis]) * self.mirror(axis)
 
     def programmed_in_plane(self, rotation: Rotation) -> tuple[float, float]:
         """Where the machine position lies in the rotated plane, before rotation, scaled."""
-        values = []
-        for place, axis in enumerate(rotation.plane):
-            mirror = self.mirror_plane[axis] * self.mirror_axis[axis]
-            values.append((self.position[axis] - self.shift[axis]) * mirror - rotation.centre[place])
-        return rotation.back(values[0], values[1])
+        first, second = (self.contour_place(axis) - rotation.centre[i] for i, axis in enumerate(rotation.plane))
+        return rotation.back(first, second)
 
-    def direction(self, axis: int) -> float:
-        """Sign and scale of a way along an axis: what I, J, K are multiplied with."""
-        return self.gain[axis]
+    def in_plane(self, plane: tuple[int, int]) -> tuple[float, float]:
+        """The position as it would be programmed in a plane, mm."""
+        if self.rotation is not None and self.rotation.plane == plane:
+            first, second = self.programmed_in_plane(self.rotation)
+        else:
+            first, second = self.contour_place(plane[0]), self.contour_place(plane[1])
+        return first / self.scale_of(plane[0]), second / self.scale_of(plane[1])
+
+    def machine_in_plane(self, plane: tuple[int, int], point: tuple[float, float]) -> tuple[float, float]:
+        """Machine coordinates of a programmed point of a plane, mm."""
+        end = self.target(dict(zip(plane, point, strict=True)), False)
+        return end[plane[0]], end[plane[1]]
 
     def moved(self, end: list[float]) -> None:
         """A motion was decoded."""

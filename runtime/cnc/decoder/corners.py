@@ -213,6 +213,7 @@ def _move(run: Polyline, index: int, plane: Plane) -> Line:
         math.isinf(feed),
         (run.points[index + 1] - run.pcs_shift) / (1.0 if run.pcs_gain is None else run.pcs_gain),
         run.plane or plane,
+        pcs_gain=run.pcs_gain,
     )
 
 
@@ -284,7 +285,7 @@ def _turned(vector: Floats, degrees: float) -> Floats:
 def _until(motion: Line | Arc, share: float) -> Line | Arc:
     """The motion up to a share of its length."""
     end = _place(motion, share)
-    pcs = end - (motion.end - motion.end_pcs)
+    pcs = motion.programmed(end)
     if isinstance(motion, Line):
         return replace(motion, end=end, end_pcs=pcs)
     return replace(motion, end=end, end_pcs=pcs, angle=motion.angle * share)
@@ -306,8 +307,10 @@ def _between(
     feed = corner.feed
     if feed is None:
         feed = math.inf if rapid else first.feed if first.end_feed is None else first.end_feed
-    pcs = end - (first.end - first.end_pcs)
+    pcs = first.programmed(end)
     if corner.kind is not CornerKind.ROUNDING:
-        return Line(first.source, start, end, feed, rapid or math.isinf(feed), pcs, plane)
+        rapid = rapid or math.isinf(feed)
+        return Line(first.source, start, end, feed, rapid, pcs, plane, pcs_gain=first.pcs_gain)
     centre = first.end[list(plane)] + np.array(cut.centre)
-    return Arc(first.source, start, end, feed, pcs, plane, centre, corner.size, math.degrees(cut.angle))
+    angle = math.degrees(cut.angle)
+    return Arc(first.source, start, end, feed, pcs, plane, centre, corner.size, angle, pcs_gain=first.pcs_gain)

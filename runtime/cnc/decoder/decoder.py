@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, Source
+from runtime.cnc.decoder import additions
 from runtime.cnc.decoder.block import WordBlocks
 from runtime.cnc.decoder.corners import Corners
 from runtime.cnc.decoder.cycles import after_block
@@ -79,7 +80,7 @@ class Decoder:
         self._interrupted = interrupted
         self._idle_limit = idle_limit
         self._idle = 0
-        self._plain = PlainRuns(setup.axes, POSITION_LIMIT)
+        self._plain = PlainRuns(setup.axes, POSITION_LIMIT, setup.modulo_axes)
         main = program.unit.main
         assert main is not None
         x.frames.append(Frame(program.unit, main, main.begin, Level.MAIN, name=main.name))
@@ -127,6 +128,8 @@ class Decoder:
                     next_pass(x)
                     continue
                 if not unit.has(entry, frame.section):
+                    if len(x.frames) == 1 and x.line_waits:
+                        self._expect_no_line(unit)
                     self._levels.end_of_section()
                     yield from self._handed_over()
                     continue
@@ -148,7 +151,10 @@ class Decoder:
                 if unit.count(entry):
                     if unit.corner_follows(entry, frame.section):  # the last motion has to stay at hand
                         x.flush_run()
-                        x.out.extend(self._run(frame, unit, entry))
+                        parts = list(
+                            self._run(frame, unit, entry)
+                        )  # it hands over x.out too, so not into x.out at once
+                        x.out.extend(parts)
                         continue
                     yield from self._handed_over()
                     for part in self._run(frame, unit, entry):
@@ -162,7 +168,7 @@ class Decoder:
                 block = x.compiled(unit, entry)
                 if block.skip_level and x.skip_levels() >> (block.skip_level - 1) & 1:
                     continue
-                if block.flush and not repeating:
+                if block.flush and not repeating and not x.line_waits:
                     yield from self._flushed(unit, block)
                 self._execute(frame, entry, block)
                 repeating = x.again is not None
@@ -180,8 +186,10 @@ class Decoder:
         yield from self._handed_over()
 
     def _handed_over(self) -> Iterator[Block]:
-        """Everything that was emitted."""
+        """Everything that was emitted; nothing while a contour line waits for the next one."""
         x = self._x
+        if x.line_waits:
+            return
         x.flush_run()
         if x.out:
             out, x.out = x.out, []
@@ -192,6 +200,14 @@ class Decoder:
         """The preparation comes into step with the interpolator before a block that reads something of it."""
         yield from self._handed_over()
         yield Flush(Source(unit.name, block.source.line), FlushKind.WAIT)
+
+    def _expect_no_line(self, unit: Unit) -> None:
+        """The program is over: no contour line may be waiting. The place is the last block."""
+        x = self._x
+        try:
+            additions.expect_no_line(x)
+        except GeometryError as error:
+            raise ProgramError(error.entry, unit.place(*x.place(1)), **error.values) from None
 
     def _tell_fault(self, unit: Unit, entry: int) -> None:
         fault = unit.faults.get(entry)
@@ -252,7 +268,11 @@ class Decoder:
             if block.simple and x.fast and self._words.simple(block, values, unit, number):
                 return
             x.source = shown or Source(unit.name, block.source.line, None if number < 0 else number)
+            if block.flush:
+                additions.expect_no_line(x)
             self._words.execute(frame, entry, block, values)
+            if x.again is not None:
+                additions.expect_no_line(x)
         except LineError as error:
             raise self._error(unit, error.column, block, error.entry, error.values) from None
         except GeometryError as error:

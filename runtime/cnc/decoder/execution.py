@@ -92,11 +92,6 @@ class Execution:
         if setup.feed > 0:
             self.modal.feed = setup.feed
         self.coordinates = Coordinates.at(start)
-        if memory.zero_default:  # V.G.NP_DEFAULT
-            self.modal.zero_offset = memory.zero_default
-            chosen = memory.zero_offsets[memory.zero_default] * memory.zero_enabled[memory.zero_default]
-            self.coordinates.offsets.zero = [float(offset) for offset in chosen]
-            self.coordinates.update()
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
@@ -121,12 +116,15 @@ class Execution:
         self.feed_taken = False  # F of the block is entered
         self.override_off = False  # G166 in the block in work
         self.radius_taken = False  # R was the argument of a function
-        self.moved_by_function = False  # a G function has made the motion of the block
         self.configured_limits = tuple(
             (-math.inf if low is None else low, math.inf if high is None else high)
             for low, high in setup.position_limits or ((None, None),) * len(setup.axes)
         )
         self.soft_limits = list(self.configured_limits)
+        self.modulo_axes = setup.modulo_axes
+        self.line_waits = (
+            False  # a contour line waits for the next one; nothing is handed over meanwhile (see additions)
+        )
         self.fast = True  # straight moves need nothing but gain, shift and feed: see modal_changed
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
@@ -240,8 +238,8 @@ class Execution:
             raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
 
     def modal_changed(self) -> None:
-        """To be called after changes of feed mode or rotation: whether the fast road may be taken."""
-        self.fast = self.modal.feed_mode is FeedMode.PER_MINUTE and self.coordinates.plain
+        """To be called after changes of feed mode, rotation or `line_waits`: whether the fast road may be taken."""
+        self.fast = self.modal.feed_mode is FeedMode.PER_MINUTE and self.coordinates.plain and not self.line_waits
 
     # ------------------------------------------------------------------ the block in work
 

@@ -30,9 +30,9 @@ def feed_of(
     block: CompiledBlock,
     start: list[float],
     end: list[float],
-    arc: tuple[tuple[int, int], Circle] | None,
+    arc: tuple[tuple[int, ...], Circle] | None,
 ) -> float:
-    """The path feed of a move in mm/min (degrees/min if only rotary axes move)."""
+    """The path feed of a move in mm/min (degrees/min if only rotary axes move); of an arc with its axes and its circle."""
     modal = x.modal
     feed = modal.feed
     assert feed is not None
@@ -61,7 +61,7 @@ def feed_of(
     return length / max(times) * share * 60.0 if times else feed
 
 
-def path_length(way: list[float], arc: tuple[tuple[int, int], Circle] | None) -> float:
+def path_length(way: list[float], arc: tuple[tuple[int, ...], Circle] | None) -> float:
     """The length that F refers to: along the main axes, or the other axes if no main axis moves."""
     main, others = way[:MAIN_AXES], way[MAIN_AXES:]
     if arc is not None:

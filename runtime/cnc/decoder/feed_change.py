@@ -38,7 +38,8 @@ def changing_line(line: Line, change: FeedChange, first: float) -> Polyline:
         feeds(change, first, line.feed),
         np.full(PIECES, line.source.line, np.int64),
         np.full(PIECES, number, np.int64),
-        line.end - line.end_pcs,
+        line.end - line.end_pcs * (1.0 if line.pcs_gain is None else line.pcs_gain),
+        line.pcs_gain,
         plane=line.plane,
         one_block=True,
     )
@@ -54,20 +55,15 @@ def changing_arc(arc: Arc, change: FeedChange, first: float) -> list[Arc]:
     points[:, axes[0]] = arc.centre[0] + arc.radius * np.cos(turned)
     points[:, axes[1]] = arc.centre[1] + arc.radius * np.sin(turned)
     points[0], points[-1] = arc.start, arc.end
-    shift = arc.end - arc.end_pcs
     speeds = feeds(change, first, arc.feed)
-    pieces = [
+    return [
         replace(
             arc,
             start=points[i],
             end=points[i + 1],
             feed=float(speeds[i]),
-            end_pcs=points[i + 1] - shift,
+            end_pcs=arc.programmed(points[i + 1]),
             angle=arc.angle / PIECES,
-            corner=None,
-            end_feed=None,
         )
         for i in range(PIECES)
     ]
-    pieces[-1] = replace(pieces[-1], corner=arc.corner, end_feed=arc.end_feed)
-    return pieces

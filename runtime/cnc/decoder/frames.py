@@ -42,14 +42,6 @@ class Modal:
     after_motion: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Saved:
-    """What is restored behind a cycle: the modal state and the mirroring in the plane (G20…G23)."""
-
-    modal: ModalState
-    mirror_plane: list[float]
-
-
 @dataclass(slots=True)
 class Sequence:
     """A block sequence: entries and rows of plain runs where it begins and ends, and how often it still runs."""
@@ -79,7 +71,7 @@ class Frame:
     cycle: Scope = field(default_factory=lambda: Scope("V.CYC."))
     transfer: dict[int, float | str] | None = None  # @P of a cycle
     given: frozenset[int] = frozenset()  # numbers of the @P that the call gave
-    saved: Saved | None = None  # to be restored at the end of a cycle
+    saved: ModalState | None = None  # to be restored at the end of a cycle
     retain: bool = False  # #RETAIN CYCLE CHANGES
     modal: Modal | None = None  # a modal cycle that this level has called
     sequence: Sequence | None = None

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from runtime.cnc.blocks import Block, BlockEnd, Source, Stop, StopKind
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.frames import Frame, Level, Saved
-from runtime.cnc.decoder.isg.g_offsets import select_zero_offset
+from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.library import Library, wrong_name
+from runtime.cnc.decoder.modal import ModalState
+from runtime.cnc.decoder.selection import restore_modal
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.index import Section, Unit
@@ -128,7 +129,7 @@ class Levels:
     ) -> Frame:
         """A level with transfer parameters of its own, behind which the modal state is as before (lines 7389–7426)."""
         x = self._x
-        saved = Saved(x.modal.copy(), list(x.coordinates.mirror_plane))
+        saved = x.modal.copy()
         frame = self.enter(unit, section, name, column, Level.CYCLE, hidden=True)
         frame.transfer = dict(transfer)
         frame.given = frozenset(transfer)
@@ -170,15 +171,10 @@ class Levels:
         self.finish([])
 
 
-def restore(x: Execution, saved: Saved) -> None:
-    """Modal G functions, circle data and feed as they were before a cycle; spindle speed and tool stay."""
-    before, x.modal = x.modal, saved.modal
-    x.modal.speed, x.modal.tool = before.speed, before.tool
-    x.coordinates.mirror_plane = saved.mirror_plane
-    if before.zero_offset != x.modal.zero_offset:
-        select_zero_offset(x, x.modal.zero_offset)
-    x.coordinates.update()
-    x.modal_changed()
+def restore(x: Execution, saved: ModalState) -> None:
+    """The modal state as it was before a cycle; spindle speed and tool stay."""
+    saved.speed, saved.tool = x.modal.speed, x.modal.tool
+    restore_modal(x, saved)
 
 
 def path_number(library: Library, unit: Unit) -> int:

@@ -13,6 +13,7 @@ class Motion(IntEnum):
     LINEAR = 1
     CIRCLE_CW = 2
     CIRCLE_CCW = 3
+    ARC_IN_SPACE = 303
 
 
 class Plane(IntEnum):
@@ -48,6 +49,7 @@ class ModalState:
     plane: Plane = Plane.XY
     inch: bool = False
     incremental: bool = False
+    mirror: int = 20  # G20…G23
     zero_offset: int = 0  # index of the data set: 0 G53, 1 G54 …
     centre_absolute: bool = False
     centre_correction: bool = True  # G165

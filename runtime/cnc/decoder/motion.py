@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from runtime.cnc.blocks import Arc, Corner, Dwell, Line
+from runtime.cnc.blocks import Arc, Corner, Dwell, Floats, Line
 from runtime.cnc.decoder import circles
 from runtime.cnc.decoder.arcs import radius_transition
 from runtime.cnc.decoder.execution import Execution
@@ -31,30 +31,52 @@ PLANES = {
 
 def dwell(x: Execution, block: CompiledBlock, values: Values) -> None:
     """G04: seconds, or revolutions of the main spindle."""
-    value = values[block.dwell]
-    if not 0 <= value < math.inf:
-        raise LineError(catalogue.DWELL_NEGATIVE, block.column(WordKind.DWELL), value=value)
+    value, column = values[block.dwell], block.column(WordKind.DWELL)
     if not block.dwell_revolutions:
-        x.emit(Dwell(x.source, value))
+        dwell_time(x, value, column)
         return
     if x.modal.speed <= 0:
-        raise LineError(catalogue.DWELL_SPEED, block.column(WordKind.DWELL))
+        raise LineError(catalogue.DWELL_SPEED, column)
     x.dwell_revolutions = value
-    x.emit(Dwell(x.source, value / x.modal.speed * 60.0))
+    dwell_time(x, value / x.modal.speed * 60.0, column)
+
+
+def dwell_time(x: Execution, seconds: float, column: int) -> None:
+    """Dwell for a time in s."""
+    if not 0 <= seconds < math.inf:
+        raise LineError(catalogue.DWELL_NEGATIVE, column, value=seconds)
+    x.emit(Dwell(x.source, seconds))
 
 
 def target(x: Execution, block: CompiledBlock) -> list[float]:
-    """Machine position that the axis words of the block lead to; LineError beyond the range of positions."""
+    """Machine position that the axis words of the block lead to; LineError beyond the range of positions.
+
+    With G00 and G90 an axis that turns without end takes the shorter way, at most half a turn (line 2154).
+    """
     words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
     end = x.coordinates.target(words, x.incremental_words or x.modal.incremental)
     for axis, programmed in words.items():
-        if not (abs(end[axis]) <= POSITION_LIMIT and abs(programmed) <= POSITION_LIMIT):
-            value = programmed if abs(programmed) > POSITION_LIMIT else end[axis]
-            column = block.column(WordKind.AXIS, axis)
-            raise LineError(
-                catalogue.POSITION_RANGE, column, value=value, axis=x.setup.axes[axis], limit=POSITION_LIMIT
-            )
+        if not abs(programmed) <= POSITION_LIMIT:
+            raise _out_of_range(x, block, axis, programmed)
+    expect_in_range(x, block, end)
+    if x.modal.motion is Motion.RAPID:
+        for axis in x.modulo_axes & words.keys():
+            if not x.incremental_words.get(axis, x.modal.incremental):
+                now = x.coordinates.position[axis]
+                end[axis] = now + math.remainder(end[axis] - now, 360.0)
     return end
+
+
+def expect_in_range(x: Execution, block: CompiledBlock, end: list[float]) -> None:
+    """LineError for a machine position beyond the range of positions."""
+    for axis, value in enumerate(end):
+        if not abs(value) <= POSITION_LIMIT:
+            raise _out_of_range(x, block, axis, value)
+
+
+def _out_of_range(x: Execution, block: CompiledBlock, axis: int, value: float) -> LineError:
+    column = block.column(WordKind.AXIS, axis if axis in x.axis_words else -1)
+    return LineError(catalogue.POSITION_RANGE, column, value=value, axis=x.setup.axes[axis], limit=POSITION_LIMIT)
 
 
 def move(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
@@ -93,13 +115,29 @@ def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corne
         corner,
         x.end_feed,
         x.override_off,
+        pcs_gain(x),
     )
     if x.feed_change is None or rapid:
         x.emit(line)
         return
-    if corner is not None:
-        raise LineError(catalogue.FEED_CHANGE_CORNER, block.column(WordKind.G))
+    expect_bare(x, block, corner)
     x.emit(changing_line(line, *x.feed_change))
+
+
+def expect_bare(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
+    """LineError for what cannot stand beside a linear feed change."""
+    for word, given in (
+        ("chamfer or rounding", corner is not None),
+        ("E", x.end_feed is not None),
+        ("G166", x.override_off),
+    ):
+        if given:
+            raise LineError(catalogue.FEED_CHANGE_BESIDE, block.column(WordKind.G), word=word)
+
+
+def pcs_gain(x: Execution) -> Floats | None:
+    """Machine way per programmed way, None for 1 in all axes."""
+    return None if x.coordinates.unit_gain else np.array(x.coordinates.gain)
 
 
 def programmed_at(x: Execution, end: list[float]) -> list[float]:
@@ -136,13 +174,9 @@ def centre_point(x: Execution, plane: tuple[int, int], letters: str) -> circles.
     given = {"IJK"[index]: x.length(value) for index, value in x.letters.items()}
     values = (given.get(letters[0], 0.0), given.get(letters[1], 0.0))
     if c.rotation is not None and c.rotation.plane == plane:
-        scaled = (values[0] * _scale(x, plane[0]), values[1] * _scale(x, plane[1]))
-        turned = c.rotation.turned(*scaled)
-        mirrored = [turned[i] * c.mirror_plane[plane[i]] * c.mirror_axis[plane[i]] for i in (0, 1)]
-        shift = [
-            c.rotation.centre[i] * c.mirror_plane[plane[i]] * c.mirror_axis[plane[i]] + c.shift[plane[i]]
-            for i in (0, 1)
-        ]
+        turned = c.rotation.turned(values[0] * c.scale_of(plane[0]), values[1] * c.scale_of(plane[1]))
+        mirrored = [turned[i] * c.mirror(plane[i]) for i in (0, 1)]
+        shift = [c.rotation.centre[i] * c.mirror(plane[i]) + c.shift[plane[i]] for i in (0, 1)]
     else:
         mirrored = [values[i] * c.gain[plane[i]] for i in (0, 1)]
         shift = [c.shift[plane[i]] for i in (0, 1)]
@@ -150,8 +184,9 @@ def centre_point(x: Execution, plane: tuple[int, int], letters: str) -> circles.
     return (origin[0] + mirrored[0], origin[1] + mirrored[1])
 
 
-def _scale(x: Execution, axis: int) -> float:
-    return x.coordinates.scale[axis] if x.coordinates.scale_active else 1.0
+def size_scale(x: Execution, plane: tuple[int, int]) -> float:
+    """What radii, and sizes of chamfers and roundings, are scaled with: the factor of X if it lies in the plane (line 17367)."""
+    return x.coordinates.scale_of(0 if 0 in plane else plane[0])
 
 
 def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:
@@ -174,8 +209,7 @@ def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | 
             circle = circles.by_kept_centre(begin, goal, centre, sense, *bounds)
         note_circle(x, plane, circle, centre)
     elif modal.radius is not None:
-        scale = _scale(x, plane[0])  # by the factor of the first axis (line 17367)
-        circle = circles.by_radius(begin, goal, modal.radius * scale, sense)
+        circle = circles.by_radius(begin, goal, modal.radius * size_scale(x, plane), sense)
         note_circle(x, plane, circle, circle.centre)
     else:
         column = block.column(WordKind.AXIS)
@@ -188,8 +222,9 @@ def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | 
             column = block.column(WordKind.INTERPOLATION, "IJK".index(pitch_letter))
             raise LineError(catalogue.PITCH_INVALID, column, letter=pitch_letter, value=pitch)
         third = 3 - plane[0] - plane[1]
-        height = end[third] - start[third] if third < len(start) else 0.0
-        angle = circles.turns_with_pitch(angle, height, pitch)
+        if third < len(start):
+            height = end[third] - start[third]
+            angle = circles.turns_with_pitch(angle, height, pitch * x.coordinates.scale_of(third))
     emit_arc(x, block, end, plane, circles.Circle(circle.centre, circle.radius, angle), corner)
 
 
@@ -217,7 +252,10 @@ def emit_arc(
         corner,
         x.end_feed,
         x.override_off,
+        pcs_gain(x),
     )
+    if x.feed_change is not None:
+        expect_bare(x, block, corner)
     arcs = [arc] if x.modal.centre_correction else radius_transition(arc)
     for piece in arcs:
         if x.feed_change is None:

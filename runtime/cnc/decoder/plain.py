@@ -36,6 +36,7 @@ def trace_plain(
     feed_factor: float,
     offset: Floats,
     limit: float,
+    modulo: int,
     position: Floats,
     points: Floats,
     feeds: Floats,
@@ -45,7 +46,8 @@ def trace_plain(
     """Trace the rows `first` to before `count` from `position` on, which is moved along.
 
     `mode` 0 or 1 is the path condition, above 1 a circle; `feed_now` in mm/min, NaN for none. Stops in front of a row
-    that needs the full decoder (a circle, a missing or wrong feed, a position out of range) and when `feeds` is full.
+    that needs the full decoder (a circle, a missing or wrong feed, a position out of range, rapid of an axis of the bits
+    `modulo`) and when `feeds` is full.
     Returns the next row, the count of moves, mode and feed. `points` gets the position before the first move first.
     """
     axes = position.size
@@ -62,6 +64,8 @@ def trace_plain(
         bits = given[row]
         if bits != 0:
             if mode_here > 1 or (mode_here == 1 and not feed_here > 0):
+                break
+            if mode_here == 0 and not incremental and bits & modulo:
                 break
             inside = True
             for axis in range(axes):
@@ -97,8 +101,9 @@ class NeedsFull:
 class PlainRuns:
     """Executes runs of plain blocks of one decoder."""
 
-    def __init__(self, axes: tuple[str, ...], limit: float) -> None:
+    def __init__(self, axes: tuple[str, ...], limit: float, modulo: frozenset[int]) -> None:
         self._axes = axes
+        self._modulo = sum(1 << axis for axis in modulo)
         self._limit = limit
         self._kept: dict[tuple[int, int], tuple[PlainRows, int]] = {}
 
@@ -156,6 +161,7 @@ class PlainRuns:
             feed_factor,
             shift,
             self._limit,
+            self._modulo,
             position,
             points,
             feeds,
@@ -202,6 +208,7 @@ def _warm() -> None:
         1.0,
         zeros,
         1e6,
+        0,
         np.zeros(3),
         np.zeros((2, 3)),
         np.zeros(1),

@@ -234,6 +234,12 @@ class DecoderSetup:
         )
 
     @property
+    def modulo_axes(self) -> frozenset[int]:
+        """Rotary axes without software limits: they turn without end."""
+        limits = self.position_limits or ((None, None),) * len(self.axes)
+        return frozenset(i for i, linear in enumerate(self.linear) if not linear and limits[i] == (None, None))
+
+    @property
     def addresses(self) -> Addresses:
         """The names that programs of this channel may use."""
         return Addresses(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime.cnc.blocks import SpatialArc
+from runtime.cnc.blocks import Corner, SpatialArc
 from runtime.cnc.decoder.arcs import through_three_points
 from runtime.cnc.decoder.circles import Circle
 from runtime.cnc.decoder.execution import Execution
@@ -15,24 +15,35 @@ from runtime.cnc.language.isg.compiler import CompiledBlock
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
-MAIN_AXES = 3
+MAIN_AXES = (0, 1, 2)
 
 
-def spatial_arc(x: Execution, block: CompiledBlock) -> None:
-    """The motion of a G303 block; the position moves along. LineError, CircleError."""
-    if len(x.setup.axes) < MAIN_AXES:
+def spatial_arc(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
+    """The arc from here over the interim point I, J, K to the target; both count as G90 or G91 says. The position moves
+    along. LineError, CircleError.
+    """
+    if len(x.setup.axes) < len(MAIN_AXES):
         raise LineError(catalogue.ARC_MAIN_AXES, block.column(WordKind.G), axes=len(x.setup.axes))
-    if x.block is not None and x.block.feed >= 0:
-        x.take_feed()
+    _expect_bare(x, block, corner)
     require_feed(x, block)
     coordinates = x.coordinates
     start = coordinates.position
     interim = coordinates.target({i: x.length(v) for i, v in x.letters.items()}, x.modal.incremental)
     end = target(x, block)
     arc = through_three_points(np.array(start[:3]), np.array(interim[:3]), np.array(end[:3]))
-    flat = Circle((0.0, 0.0), arc.radius, arc.angle)
-    feed = feed_of(x, block, start, end, ((0, 1), flat))
+    feed = feed_of(x, block, start, end, (MAIN_AXES, Circle((0.0, 0.0), arc.radius, arc.angle)))
     programmed = np.array(programmed_at(x, end))
     x.emit(SpatialArc(x.source, np.array(start), np.array(end), feed, programmed, arc.centre, arc.normal, arc.angle))
     coordinates.moved(end)
-    x.moved_by_function = True
+
+
+def _expect_bare(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
+    for word, kind, given in (
+        ("a chamfer or rounding", WordKind.ADDITION, corner is not None),
+        ("R", WordKind.RADIUS, block.radius >= 0),
+        ("E", WordKind.END_FEED, x.end_feed is not None),
+        ("G166", WordKind.G, x.override_off),
+        ("a linear feed change", WordKind.G, x.feed_change is not None),
+    ):
+        if given:
+            raise LineError(catalogue.ARC_BESIDE, block.column(kind), word=word)

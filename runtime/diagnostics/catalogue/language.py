@@ -733,7 +733,7 @@ FEED_CHANGE_START = ErrorEntry(
 )
 ANGLE_WITHOUT_CIRCLE = ErrorEntry(300442, "#CANG belongs to G02 and G03", reaction=Reaction.STOP_AT_BLOCK_END)
 ANGLE_WITH_CIRCLE = ErrorEntry(
-    300443, "#ANG makes straight lines: not with G02 and G03", reaction=Reaction.STOP_AT_BLOCK_END
+    300443, "#ANG makes straight lines: not with G02, G03 and G303", reaction=Reaction.STOP_AT_BLOCK_END
 )
 ANGLE_AND_TARGET = ErrorEntry(
     300444,
@@ -755,8 +755,38 @@ CORNER_BLOCK = ErrorEntry(
 ARC_MAIN_AXES = ErrorEntry(
     300448, "G303 needs three main axes, the channel has {axes}", reaction=Reaction.STOP_AT_BLOCK_END
 )
-FEED_CHANGE_CORNER = ErrorEntry(
-    300450, "no chamfer or rounding in a block with a linear feed change", reaction=Reaction.STOP_AT_BLOCK_END
+FEED_CHANGE_BESIDE = ErrorEntry(
+    300450, "{word}: not in a block with a linear feed change (G193, G293)", reaction=Reaction.STOP_AT_BLOCK_END
+)
+CORNER_FEED_MODE = ErrorEntry(
+    300451,
+    "a chamfer or rounding can have a feed of its own with G94 and G95, not with G{number}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="leave the feed out: that of the motion before holds",
+)
+ADDITION_WITHOUT_MOTION = ErrorEntry(
+    300452,
+    "#ANG, #CANG, chamfers and roundings belong to a block with motion",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+LIMIT_OPEN = ErrorEntry(
+    300453,
+    "axis {axis} has no software limit that a way could be added to",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program the limit with G90",
+    source="programming manual line 3107",
+)
+ARC_BESIDE = ErrorEntry(300454, "{word} is not possible in a block with G303", reaction=Reaction.STOP_AT_BLOCK_END)
+ANGLE_AND_PITCH = ErrorEntry(
+    300455,
+    "#CANG makes one turn at most: no pitch {letter} beside it",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+CONTOUR_LINE_SYSTEM = ErrorEntry(
+    300456,
+    "plane, offsets, mirroring, rotation or scale have changed since the contour line in line {line}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="change them before both lines, or give the first one a coordinate",
 )
 
 # -- flow, levels, cycles, sequences -------------------------------------------------------------------------------

@@ -58,7 +58,7 @@ class Run:
 
     @property
     def rows(self) -> list[Row]:
-        return [row for block in self.blocks for row in rows(block, SETUP.axes)]
+        return [row for block in self.blocks for row in rows(block, self.decoder.execution.setup.axes)]
 
     @property
     def ends(self) -> list[list[float]]:

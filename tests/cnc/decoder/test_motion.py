@@ -154,6 +154,12 @@ def test_a_fault_in_a_run_is_told_with_its_line() -> None:
     assert (run.problem.entry, run.problem.place.line) == (catalogue.FEED_MISSING, 3)
 
 
+def test_a_line_behind_a_run_leaves_its_values_alone() -> None:
+    """The scan of a line that is not plain begins while the run before it is still to be executed."""
+    run = decode("G00 X1 M14\nX2 Y7\nX3 Y4 G91\nM30")
+    assert run.ends == [[1, 0, 0], [2, 7, 0], [5, 11, 0]]
+
+
 def test_long_runs_come_in_chunks() -> None:
     count = 10_000
     text = "G00\n" + "".join(f"X{i}\n" for i in range(count)) + "M30"

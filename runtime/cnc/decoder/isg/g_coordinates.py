@@ -7,6 +7,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, GHandler, StatementCall, g_function, statement
 from runtime.cnc.decoder.modal import Plane
 from runtime.cnc.decoder.motion import PLANES
+from runtime.cnc.decoder.selection import MIRRORS, plane_changed, select_mirror, switch_rotation
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.syntax import Form, Group, Key
 from runtime.cnc.language.isg.words import WordKind
@@ -16,10 +17,9 @@ from runtime.diagnostics.catalogue import language as catalogue
 def _plane(number: int, plane: Plane) -> GHandler:
     @g_function(number, Group.PLANE, "isg.g.plane-g17-g18-g19")
     def select(x: Execution, call: GCall) -> None:
-        if x.modal.plane is not plane and x.coordinates.rotation is not None:
-            x.warn(catalogue.ROTATION_ENDED, call.column, number=int(plane))
-            switch_rotation(x, None)
-        x.modal.plane = plane
+        if x.modal.plane is not plane:
+            x.modal.plane = plane
+            plane_changed(x, call.column)
 
     return select
 
@@ -50,17 +50,14 @@ def incremental(x: Execution, call: GCall) -> None:
 # ---------------------------------------------------------------------------------------------------- mirroring
 
 
-def _mirror(number: int, signs: tuple[float, float]) -> None:
+def _mirror(number: int) -> None:
     @g_function(number, Group.MIRROR, "isg.g.mirror-plane-g20-g23")
     def select(x: Execution, call: GCall) -> None:
-        """The first two main axes in every plane; values of the third are never mirrored."""
-        mirror = x.coordinates.mirror_plane
-        mirror[: len(signs)] = signs[: len(mirror)]
-        x.coordinates.update()
+        select_mirror(x, number)
 
 
-for _number, _signs in ((20, (1.0, 1.0)), (21, (-1.0, 1.0)), (22, (1.0, -1.0)), (23, (-1.0, -1.0))):
-    _mirror(_number, _signs)
+for _number in MIRRORS:
+    _mirror(_number)
 
 
 @g_function(
@@ -85,12 +82,6 @@ def mirror_axes(x: Execution, call: GCall) -> None:
 # ---------------------------------------------------------------------------------------------------- rotation
 
 
-def switch_rotation(x: Execution, rotation: Rotation | None) -> None:
-    """Rotation of the contour on or off; it moves nothing."""
-    x.coordinates.rotation = rotation
-    x.modal_changed()
-
-
 def _plane_axes(x: Execution, column: int) -> tuple[int, int]:
     plane = PLANES[x.modal.plane][0]
     if max(plane) >= len(x.setup.axes):
@@ -106,7 +97,7 @@ def _plane_axes(x: Execution, column: int) -> tuple[int, int]:
 
 @g_function(68, Group.ROTATION, "isg.g.rotation-g68-g69", syntax="G68 R.. X.. Y..", axis_arguments=True)
 def rotation_on(x: Execution, call: GCall) -> None:
-    """The same as #ROTATION; a centre that is not given is the present position."""
+    """The same as #ROTATION: the contour's zero comes to the centre. One that is not given is the present position."""
     assert x.block is not None
     plane = _plane_axes(x, call.column)
     words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
@@ -115,9 +106,9 @@ def rotation_on(x: Execution, call: GCall) -> None:
     x.axes_taken = True
     angle = x.values[x.block.radius] if x.block.radius >= 0 else 0.0
     x.radius_taken = True
-    now = x.coordinates.programmed()
-    centre = (words.get(plane[0], now[plane[0]]), words.get(plane[1], now[plane[1]]))
-    switch_rotation(x, Rotation(plane, angle, centre))
+    first, second = (words[axis] if axis in words else x.coordinates.contour_place(axis) for axis in plane)
+    rotation = x.state["rotation"] = Rotation(plane, angle, (first, second))
+    switch_rotation(x, rotation)
 
 
 @g_function(69, Group.ROTATION, "isg.g.rotation-g68-g69")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import CornerKind
-from runtime.cnc.decoder.additions import corner_block
+from runtime.cnc.blocks import BlockEnd, CornerKind
+from runtime.cnc.decoder.additions import corner_block, expect_no_line
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.isg.registry import GCall, g_function
+from runtime.cnc.decoder.isg.registry import GCall, StatementCall, g_function, statement
 from runtime.cnc.decoder.modal import Motion
-from runtime.cnc.decoder.spatial import spatial_arc
-from runtime.cnc.language.isg.syntax import Group, Values
+from runtime.cnc.decoder.motion import dwell_time
+from runtime.cnc.language.isg.syntax import Form, Group, Values
 
 _CENTRE = "isg.g.circular-centre-g02-g03"
 
@@ -42,6 +42,14 @@ def dwell(x: Execution, call: GCall) -> None:
     """The time is a word of the block: see motion.dwell."""
 
 
+@statement("TIME", "isg.add.time", "isg.g.dwell-g04-time", syntax="#TIME <s>", form=Form.VALUE)
+def time(x: Execution, call: StatementCall) -> None:
+    """The same as G04 with a time."""
+    expect_no_line(x)
+    dwell_time(x, call.needed(), call.column)
+    x.emit(BlockEnd(x.source))
+
+
 @g_function(161, Group.CIRCLE_CENTRE, "isg.g.circle-centre-mode-g161-g162")
 def centre_absolute(x: Execution, call: GCall) -> None:
     x.modal.centre_absolute = True
@@ -68,12 +76,9 @@ def centre_corrected(x: Execution, call: GCall) -> None:
     x.modal.centre_correction = True
 
 
-@g_function(303, Group.PATH_CONDITION, "isg.g.arc-in-space-g303", modal=False, syntax="G303 I.. J.. K.. X.. Y.. Z..")
+@g_function(303, Group.PATH_CONDITION, "isg.g.arc-in-space-g303", syntax="G303 I.. J.. K.. X.. Y.. Z..")
 def arc_in_space(x: Execution, call: GCall) -> None:
-    """The arc from here over the interim point I, J, K to the target; both count as G90 or G91 says."""
-    assert x.block is not None
-    x.axes_taken = True
-    spatial_arc(x, x.block)
+    x.modal.motion = Motion.ARC_IN_SPACE
 
 
 def _corner(number: int, kind: CornerKind) -> None:

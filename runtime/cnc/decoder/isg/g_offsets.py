@@ -8,19 +8,12 @@ from runtime.cnc.blocks import SoftwareLimitChange
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, StatementCall, g_function, statement
 from runtime.cnc.decoder.memory import ZERO_OFFSET_SETS
+from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form, Group, Key, KeyKind, Values
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
-
-
-def select_zero_offset(x: Execution, index: int) -> None:
-    """Make a stored data set the active one; it acts with the next absolute word of each axis."""
-    x.modal.zero_offset = index
-    stored, enabled = x.memory.zero_offsets[index], x.memory.zero_enabled[index]
-    x.coordinates.offsets.zero = [float(v) for v in stored * enabled]
-    x.coordinates.update()
 
 
 def _zero_offset(number: int) -> None:
@@ -99,7 +92,10 @@ def _limits(number: int, side: int) -> None:
         for axis, value in x.arguments(number, call.column).items():
             column = x.block.column(WordKind.AXIS, axis)
             limits = x.soft_limits[axis]
-            value = value + limits[side] if x.modal.incremental and math.isfinite(limits[side]) else value
+            if x.modal.incremental:
+                if not math.isfinite(limits[side]):
+                    raise LineError(catalogue.LIMIT_OPEN, column, axis=x.setup.axes[axis])
+                value += limits[side]
             configured = x.configured_limits[axis][side]
             wider = value < configured if side == 0 else value > configured
             if wider and x.setup.clamp_limits:
@@ -127,13 +123,15 @@ def _preset_allowed(x: Execution, call: StatementCall) -> None:
 
 @statement("PSET", "isg.add.pset", syntax="#PSET <axis><value> {<axis><value>}", form=Form.AXES)
 def preset(x: Execution, call: StatementCall) -> None:
-    """The present position of an axis is the given one from now on; nothing moves."""
+    """The present position of an axis is the given one from now on; nothing moves.
+
+    Under a rotation a coordinate of the contour lies across both axes of the plane: both get a part of the offset.
+    """
     _preset_allowed(x, call)
     c = x.coordinates
-    for axis, value in call.axes().items():
-        assert value is not None
-        others = c.shift[axis] - c.offsets.preset[axis]
-        c.offsets.preset[axis] = c.position[axis] - x.axis_value(axis, value) * c.gain[axis] - others
+    words = {axis: x.axis_value(axis, value) for axis, value in call.axes().items() if value is not None}
+    there = c.target(words, False)
+    c.offsets.preset = [old + now - end for old, now, end in zip(c.offsets.preset, c.position, there, strict=True)]
     c.update()
 
 
