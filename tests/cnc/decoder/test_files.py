@@ -11,7 +11,6 @@ import pytest
 
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Offline, Outside, ProgramError, load_program
 from runtime.cnc.decoder.file_access import BACKUPS
-from runtime.cnc.decoder.isg.registry import STATEMENTS
 from runtime.cnc.decoder.report_file import Backups
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from runtime.diagnostics.errors import Problem
@@ -155,7 +154,6 @@ def test_backups_are_made_after_so_many_writes_and_the_oldest_goes(place: Place)
     assert (place.reports / "other1.bak").read_text() == "0\n1\n"
 
 
-@pytest.mark.skipif("FILE NAME" not in STATEMENTS, reason="#FILE NAME is not there yet")
 @pytest.mark.spec("isg.add.file-backup")
 def test_backups_are_asked_for_by_file_name(place: Place) -> None:
     writes = "\n".join(f'#MSG SAVE EXCLUSIVE ["{n}"]' for n in range(1, 6))

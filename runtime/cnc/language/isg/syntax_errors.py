@@ -23,6 +23,8 @@ _UNSUPPORTED: tuple[tuple[re.Pattern[str], str], ...] = (
 )
 _QUOTED = re.compile(r'"((?:\\.|[^"\\])*)"?')
 _CONTROLS = frozenset((*(control.value[1:] for control in Control), "GOTO"))
+_AXIS_BRACKET = re.compile(r"([ABCQS-Z][A-Za-z0-9_]*)\s*\[\s*$")
+_BRACKET_COMMAND = re.compile(r"[MH]\s*\d+|[A-Z][A-Z_]+(?![A-Za-z]*\[)")
 _CONTROL_WORD = re.compile(r"\$[A-Za-z]+")
 _BRACKETED_CALL = re.compile(r"[Ll]{1,2}\s*(CYCLE|SEQUENCE)$")
 _LAST_ADDRESS = re.compile(r"(\$?[A-Za-z][A-Za-z0-9_]*|[^\s])$")
@@ -59,6 +61,11 @@ def explain(text: str, error: UnexpectedInput, addresses: Addresses) -> LineErro
         call = _BRACKETED_CALL.search(previous)
         what = call.group() if call else "label or bracketed command" if previous else "label"
         return LineError(catalogue.NOT_SUPPORTED, column, what=f"{what} {rest.split(']')[0]}]")
+    bracketed = _AXIS_BRACKET.search(text[:position])
+    command = _BRACKET_COMMAND.match(rest)
+    if bracketed is not None and command is not None:
+        what = f"bracket command {bracketed.group(1)}[{command.group()} ..]"
+        return LineError(catalogue.NOT_SUPPORTED, column, what=what)
     if wants_value:
         if bracket is not None and not rest[0].isalnum():
             return bracket
