@@ -56,7 +56,7 @@ def _corner_feed(x: Execution, column: int) -> float | None:
 
 def _size(size: float, column: int) -> float:
     if not 0 < size < math.inf:
-        raise LineError(catalogue.CORNER_SIZE, column, size=size)
+        raise LineError(catalogue.CORNER_SIZE, column, size=size, what="chamfer or rounding")
     return size
 
 
@@ -69,7 +69,7 @@ def corner_block(x: Execution, kind: CornerKind, column: int) -> None:
     if 0 in x.letters:
         x.modal.corner_size = _size(x.length(x.letters[0]), column)
     if x.modal.corner_size is None:
-        raise LineError(catalogue.CORNER_SIZE, column, size=0.0)
+        raise LineError(catalogue.CORNER_SIZE, column, size=0.0, what="chamfer or rounding")
     feed = _corner_feed(x, column)
     if x.block.feed >= 0 and feed is None:
         x.take_feed()
