@@ -515,7 +515,6 @@ def test_circle_data_are_those_of_the_corrected_centre() -> None:
     assert refused("P1 = V.G.MERR[2]") is C.SET_INDEX
 
 
-@pytest.mark.spec("isg.var.g-link-rotation")
 def test_without_a_contour_rotation_its_variables_are_zero() -> None:
     assert values("P1=V.G.ROT_ACTIVE P2=V.G.ROT_ANGLE P3=V.G.ROT_CENTER1 P4=V.G.ROT_CENTER2") == {
         1: 0,
@@ -767,7 +766,6 @@ def test_coordinates_under_a_contour_rotation_are_those_of_the_machine_axes() ->
     assert values(program) == pytest.approx({1: 1, 2: 90, 3: 10, 4: 0, 5: 8, 6: 8, 7: 5, 8: 0, 9: 0})
 
 
-@pytest.mark.spec("isg.var.a-compensations")
 def test_axes_have_no_compensations_and_asking_for_them_flushes() -> None:
     kinds = ("CROSS", "PLANE", "LEAD", "TEMP", "FRICT", "CROSSTALK")
     names = [f"{kind}_COMP_{item}" for kind in kinds for item in ("INIT", "ACTIVE", "CURR")]
