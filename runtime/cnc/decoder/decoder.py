@@ -138,7 +138,7 @@ class Decoder:
                 self.executed += 1
                 self._idle += 1
                 if self.executed % HANDED_OVER == 0:
-                    if x.collected and entry not in unit.corner_blocks:
+                    if x.collected and not self._corner_ahead(frame, unit, entry):
                         yield from self._handed_over()
                     if self.executed % POLL == 0:
                         if self._interrupted():
@@ -184,6 +184,10 @@ class Decoder:
             yield from self._handed_over()
             raise
         yield from self._handed_over()
+
+    def _corner_ahead(self, frame: Frame, unit: Unit, entry: int) -> bool:
+        """Whether the entry is, or comes shortly before, a block that gives a corner to the last motion."""
+        return entry in unit.corner_blocks or unit.corner_follows(entry, frame.section)
 
     def _handed_over(self) -> Iterator[Block]:
         """Everything that was emitted; nothing while a contour line waits for the next one."""

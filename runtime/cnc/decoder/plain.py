@@ -9,7 +9,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Block, Floats, Polyline
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.modal import Motion
+from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.language.isg.index import Unit
 from runtime.cnc.language.isg.scan import NO_MOTION, Ints, PlainRows
 from runtime.kernels import kernel, warms
@@ -188,6 +188,7 @@ class PlainRuns:
             numbers[:moves],
             shift,
             None if plain else gain,
+            PLANE_AXES[modal.plane],
         )
         return following, polyline
 

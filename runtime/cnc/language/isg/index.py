@@ -31,6 +31,7 @@ from runtime.diagnostics.errors import ErrorEntry, Place
 
 RUN = 4096  # lines of a plain entry
 MAX_CONTROL_DEPTH = 100
+CORNER_WITHIN = 8  # entries between a motion and the G301 or G302 that belongs to it, and lines of a run among them
 MAX_CONTINUED = 200  # lines of one block
 FORGET_FROM = 16_384  # entries behind the execution before some are forgotten
 
@@ -187,8 +188,15 @@ class Unit:
         return self._counts[entry - self._base]
 
     def corner_follows(self, entry: int, section: Section) -> bool:
-        """Whether the next entry is a block with G301 or G302."""
-        return self.has(entry + 1, section) and entry + 1 in self.corner_blocks
+        """Whether a block with G301 or G302 comes within the next few entries, and no longer run of moves before it."""
+        for following in range(entry + 1, entry + 1 + CORNER_WITHIN):
+            if not self.has(following, section):
+                return False
+            if following in self.corner_blocks:
+                return True
+            if self.count(following) > CORNER_WITHIN:
+                return False
+        return False
 
     def around(self, entry: int) -> tuple[int, ...]:
         """First entries of the structures that an entry lies in, the innermost last."""
