@@ -132,6 +132,7 @@ class Channel:
         self._axes = axes
         self._window = window
         self.queue = queue
+        self._no_override = queue.records["override_off"]  # a view: making one takes its time
         self.interpolator = interpolator
         self.link = link
         self.port = TechnologyPort(area)
@@ -287,11 +288,12 @@ class Channel:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        if inputs.override == 0.0:
+        override = 1.0 if self._override_off() else inputs.override
+        if override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
-        path.step(override=inputs.override, feed_hold=held, single_block=inputs.single_block)
+        path.step(override=override, feed_hold=held, single_block=inputs.single_block)
         passed = path.passed
         for index in passed:
             self._pass(index)
@@ -310,6 +312,11 @@ class Channel:
             kind = EventKind.STOP if standing else EventKind.GO
             self._event(kind, path.line, self._n, number=stop)
             self.stop_condition = stop
+
+    def _override_off(self) -> bool:
+        """The path is on an element for which every override counts as 100 %."""
+        index = self.interpolator.index
+        return index >= self.queue.read and bool(self._no_override[index % self.queue.capacity])
 
     def _out_of_blocks(self) -> int:
         """Nothing more is known: the preparation is behind, or it has failed and this is as far as the program goes."""

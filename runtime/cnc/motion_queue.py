@@ -104,6 +104,8 @@ RECORD = np.dtype(
         ("text", "i8"),  # index into the texts, -1: none
         ("offset", "i8"),
         ("size", "i8"),
+        # LINE, ARC
+        ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
     ],
     align=True,
 )

@@ -115,6 +115,7 @@ class QueueWriter:
         self._period = period
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
+        self._end_feed = math.inf  # mm/s: E of the last motion, the greatest speed over its end
         self._place: Floats | None = None  # end of the last element in the queue
         self._block_end: Floats | None = None  # end of the last block, moves without length included
         self._pending: Records = np.zeros(0, dtype=RECORD)
@@ -168,7 +169,23 @@ class QueueWriter:
         if self._postponed is not None:
             return False
         self._pending, self._done = self._records(block), 0
+        self._mark(self._pending, block)
         return True
+
+    def _mark(self, records: Records, block: Block) -> None:
+        """What a block says of its elements beside their geometry: override off (G166), feed at the end (E word)."""
+        elements = np.flatnonzero((records["kind"] == RecordKind.LINE) | (records["kind"] == RecordKind.ARC))
+        if not len(elements):
+            return
+        if self._end_feed < math.inf:  # of the block before: both sides of the border keep to it
+            first = elements[0]
+            records["v_entry"][first] = min(records["v_entry"][first], self._end_feed)
+            self._end_feed = math.inf
+        if isinstance(block, Line | Arc):
+            if block.override_off:
+                records["override_off"][elements] = 1
+            if block.end_feed is not None:
+                self._end_feed = block.end_feed / 60.0
 
     # ------------------------------------------------------------------ block → records
 

@@ -50,7 +50,12 @@ def test_a_chamfer_block() -> None:
 def test_a_rounded_pocket_with_feeds(own: bool) -> None:
     """The size is kept; F in the block of the corner goes on, #FRC does not."""
     feed, back = ("#FRC=150", "") if own else ("F150", "F200")
-    blocks = [f"X200 F200\nG302 I20 {feed}\n", f"Y100 {back}\nG302 {feed}\n", f"X0 {back}\nG302 {feed}\n", f"Y50 {back}"]
+    blocks = [
+        f"X200 F200\nG302 I20 {feed}\n",
+        f"Y100 {back}\nG302 {feed}\n",
+        f"X0 {back}\nG302 {feed}\n",
+        f"Y50 {back}",
+    ]
     run = run_of("G00 X0 Y0\nG01 " + "".join(blocks))
     arcs = [block for block in run.blocks if isinstance(block, Arc)]
     assert [(arc.radius, arc.angle) for arc in arcs] == [(20, pytest.approx(90))] * 3
@@ -220,7 +225,15 @@ def test_what_stands_between_two_lines_keeps_its_place() -> None:
         if isinstance(block, Line | TechnologyFunction | BlockEnd)
     ]
     order = [kind if number is None else number for kind, number, _ in kinds]
-    assert order == [10, Line, BlockEnd, 11, Line, BlockEnd, 13] or order == [10, Line, BlockEnd, 11, Line, 13, BlockEnd]
+    assert order == [10, Line, BlockEnd, 11, Line, BlockEnd, 13] or order == [
+        10,
+        Line,
+        BlockEnd,
+        11,
+        Line,
+        13,
+        BlockEnd,
+    ]
     first, second = (block for block in run.blocks if isinstance(block, Line))
     assert (first.end.tolist(), first.source.n, first.feed) == ([10, 0, 1], 10, 100)
     assert (second.end.tolist(), second.source.n, second.feed) == ([10, 5, 3], 40, 50)

@@ -138,7 +138,13 @@ def test_offsets_are_left_out_in_one_block() -> None:
 
 @pytest.mark.spec("isg.add.suppress-offsets")
 def test_what_a_block_selects_holds_behind_it_too() -> None:
-    assert x_of("G00 G54 X1\nG55 #SUPPRESS OFFSETS X1\nX1\nG91 #SUPPRESS OFFSETS X1\nG90 X1\nM30") == [101, 1, 201, 202, 201]
+    assert x_of("G00 G54 X1\nG55 #SUPPRESS OFFSETS X1\nX1\nG91 #SUPPRESS OFFSETS X1\nG90 X1\nM30") == [
+        101,
+        1,
+        201,
+        202,
+        201,
+    ]
     assert x_of("G21\nG54 G00 X1\n#SUPPRESS OFFSETS X1\nX1\nM30") == [99, -1, 99]
     assert entries("#SUPPRESS OFFSETS\nM30") == [(catalogue.SUPPRESS_AXES, 1)]
     assert entries("#SUPPRESS OFFSETS [OTHER] X1\nM30") == [(catalogue.KEY_UNKNOWN, 1)]
