@@ -186,8 +186,7 @@ class WordBlocks:
             actions.append((call.name, call.column, lambda: levels.call(call, name)))
         if functions.tool_change:
             actions.append(("M6", m, lambda: levels.call_file("M6", m, hidden=True)))
-        for g in last:
-            actions.append((f"G{g.number}", g.column, partial(G_FUNCTIONS[g.number].handler, x, g)))
+        actions += [(f"G{g.number}", g.column, partial(G_FUNCTIONS[g.number].handler, x, g)) for g in last]
         if block.tool_data >= 0 and levels.file_of("D"):
             d = block.column(WordKind.TOOL_DATA)
             actions.append(("D", d, lambda: levels.call_file("D", d)))

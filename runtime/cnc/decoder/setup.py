@@ -136,7 +136,7 @@ class DecoderSetup:
     keep_cycle_changes: bool = False  # P-CHAN-00210
     keep_parameters: bool = False  # P-CHAN-00067
     hide_cycles: bool = False  # P-CHAN-00211
-    rules: Rules = Rules()
+    rules: Rules = field(default_factory=Rules)
     tool_change_program: str = ""  # P-CHAN-00118
     tool_data_program: str = ""  # P-CHAN-00429
     start_program: str = ""  # P-CHAN-00119

@@ -214,10 +214,10 @@ class _Emitter:
         self.constant = False
         self.lines.append("begin_transfer()")
         slots = []
-        for number, value in enumerate(values, 1):
+        for place, value in enumerate(values, 1):
             slots.append(self.slot(value))
             if value is not None:
-                self.lines.append(f"give_transfer({number}, {self.slots[-1]})")
+                self.lines.append(f"give_transfer({place}, {self.slots[-1]})")
         return tuple(slots)
 
     def assign(self, target: str, expression: Expression) -> None:

@@ -312,7 +312,7 @@ class StatementParser:
         seen: set[tuple[str, int]] = set()
         for argument in arguments:
             if syntax.form is Form.KEYS and argument.name:
-                many = argument.name in ("AX", "AXNR", "P", "@P", "N", "LABEL") or syntax.name.startswith("#")
+                many = argument.name in ("AX", "AXNR", "P", "N", "LABEL") or syntax.name.startswith("#")
                 if (argument.name, argument.index) in seen and not many:
                     raise LineError(catalogue.KEY_TWICE, argument.column, key=argument.name, statement=_title(syntax))
                 seen.add((argument.name, argument.index))
@@ -445,6 +445,8 @@ def _value_end(text: str, position: int, end: int, pattern: re.Pattern[str]) -> 
         elif c == '"':
             quoted = True
         elif c == "[":
+            if depth == 0 and i > position and text[i - 1] in ' \t"]' and pattern.match(text, i, end):
+                return i  # a label
             depth += 1
         elif c == "]":
             depth -= 1
