@@ -409,7 +409,7 @@ def _key_pattern(keys: tuple[Key, ...]) -> re.Pattern[str]:
         elif key.kind is KeyKind.LABEL:
             name = r"\[[ \t]*[A-Za-z_][A-Za-z0-9_]*[ \t]*\]"
         else:
-            name += r"(?![A-OQ-UW-Za-z_](?![A-Za-z_0-9]*\[))"
+            name += r"(?![A-OQ-UW-Z_](?![A-Za-z_0-9]*\[))"
         alternatives.append(f"(?P<k{number}>{name})")
     return re.compile("|".join(alternatives) or r"(?!)", re.IGNORECASE)
 
