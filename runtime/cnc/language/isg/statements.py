@@ -26,6 +26,7 @@ _START = re.compile(
 )
 _INLINE = re.compile(r"#(?:ANG|CANG|CHR|CHF|RND|FRC|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
 _BESIDE = re.compile(r"#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
+_BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
@@ -199,6 +200,8 @@ class StatementParser:
                 continue
             position = _skip(text, position, " \t=")
             stop = _value_end(text, position, end, pattern)
+            if key.kind is KeyKind.NAME and (bare := _BARE_NAME.match(text, position, stop)):
+                stop = bare.end()
             value_text = text[position:stop].strip(" \t,")
             if not value_text:
                 raise LineError(catalogue.VALUE_MISSING, column, address=key.name)
