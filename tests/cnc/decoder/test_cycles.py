@@ -53,12 +53,14 @@ def test_a_global_cycle_and_its_mistakes() -> None:
 
 @pytest.mark.spec("isg.sub.cycle-parameters")
 def test_what_was_not_given() -> None:
-    cycle = "%L C\nP2 = V.G.@P[2].VALID P3 = @P2 P4 = V.G.@P[2].VALID P5 = V.G.@P[1].VALID\n@P1 = @P1 + 1\nP6 = @P1\nM17\n"
+    cycle = (
+        "%L C\nP2 = V.G.@P[2].VALID P3 = @P2 P4 = V.G.@P[2].VALID P5 = V.G.@P[1].VALID\n@P1 = @P1 + 1\nP6 = @P1\nM17\n"
+    )
     run = decode(f"{cycle}%M\nLL CYCLE [NAME=C @P1=5 @P9=1]\nM30")
     assert run.parameters == {2: 0, 3: 0, 4: 0, 5: 1, 6: 6}
     run = decode(f"{cycle}%M\nLL CYCLE [NAME=C @P1=5]\nM30", replace(SETUP, create_transfer=False))
     assert run.problem is not None
-    assert run.problem.entry.id == 20394
+    assert (run.problem.entry, run.problem.entry.id) == (C.TRANSFER_MISSING, 20394)
 
 
 @pytest.mark.spec("isg.sub.cycle-parameters")
@@ -118,7 +120,8 @@ def test_disable_modal_cycle_stands_alone() -> None:
     ],
 )
 def test_what_a_cycle_leaves_behind(cycle: str, main: str, setup: object, stays: bool) -> None:
-    text = f"%L C\n{cycle}\nG01 G54 G91 G70 F2 X1\nS50 T3\nM17\n%M\n{main}\nG00 X10 F100\nLL CYCLE [NAME=C]\nX[1] Y[1]\nM30"
+    changes = f"%L C\n{cycle}\nG01 G54 G91 G70 F2 X1\nS50 T3\nM17\n"
+    text = f"{changes}%M\n{main}\nG00 X10 F100\nLL CYCLE [NAME=C]\nX[1] Y[1]\nM30"
     run = decode(text, setup)  # type: ignore[arg-type]
     assert run.problem is None, run.problem
     x, y, _ = run.ends[-1]
@@ -130,7 +133,8 @@ def test_what_a_cycle_leaves_behind(cycle: str, main: str, setup: object, stays:
 
 @pytest.mark.spec("isg.sub.cycle-modal-state")
 def test_changes_are_handed_to_the_next_level_only() -> None:
-    text = "%L IN\n#RETAIN CYCLE CHANGES\nG91\nM17\n%L OUT\nLL CYCLE [NAME=IN]\nX1\nX1\nM17\n%M\nG00\nLL CYCLE [NAME=OUT]\nX1\nM30"
+    outer = "%L OUT\nLL CYCLE [NAME=IN]\nX1\nX1\nM17\n%M\nG00\nLL CYCLE [NAME=OUT]\nX1\nM30"
+    text = f"%L IN\n#RETAIN CYCLE CHANGES\nG91\nM17\n{outer}"
     assert xs(text) == [1, 2, 1]
     run = decode("#RETAIN CYCLE CHANGES\nM30")
     assert warned(run) == [C.RETAIN_OUTSIDE]

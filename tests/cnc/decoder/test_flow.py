@@ -424,12 +424,16 @@ def test_break_and_continue(loop: str) -> None:
     text = "G00 F1\n{0}\n$IF P1 == {2}\n$IF 1\n{3}\n$ENDIF\n$ENDIF\nX[P1]\n{1}\nX9\nM30"
     assert xs(text.format(first, last, 3, "$BREAK")) == [1, 2, 9]
     assert xs(text.format(first, last, 3, "$CONTINUE")) == [1, 2, 4, 5, 9]
-    outer = f"$FOR P5 = 1, 2, 1\n{text.format(first, last, 2, '$BREAK')}\n$ENDFOR".replace("M30\n", "").replace("G00", "G00")
+    outer = f"$FOR P5 = 1, 2, 1\n{text.format(first, last, 2, '$BREAK')}\n$ENDFOR".replace("M30\n", "").replace(
+        "G00", "G00"
+    )
     assert xs(outer) == [1, 9, 1, 9]
 
 
 @pytest.mark.spec("isg.flow.break", "isg.flow.continue")
-@pytest.mark.parametrize("text", ["$BREAK", "$CONTINUE", "$IF 1\n$BREAK\n$ENDIF", "$SWITCH 1\n$CASE 1\n$CONTINUE\n$ENDSWITCH"])
+@pytest.mark.parametrize(
+    "text", ["$BREAK", "$CONTINUE", "$IF 1\n$BREAK\n$ENDIF", "$SWITCH 1\n$CASE 1\n$CONTINUE\n$ENDSWITCH"]
+)
 def test_break_and_continue_outside_a_loop(text: str) -> None:
     run = decode(f"{text}\nM30")
     assert run.problem is not None
@@ -448,7 +452,9 @@ def test_any_writable_variable_counts() -> None:
 
 
 @pytest.mark.spec("isg.flow.goto")
-@pytest.mark.parametrize(("label", "jump"), [("N40:", "N40"), ("N40:", "N40:"), ("[There]", "[tHERE]"), ("N7 [A_1]", "[ a_1 ]")])
+@pytest.mark.parametrize(
+    ("label", "jump"), [("N40:", "N40"), ("N40:", "N40:"), ("[There]", "[tHERE]"), ("N7 [A_1]", "[ a_1 ]")]
+)
 def test_jumps_forward_and_backward(label: str, jump: str) -> None:
     assert xs(f"G00 F1\nX1 $GOTO {jump} Y1\nX2\n{label} X3\nX4\nM30") == [1, 3, 4]
     back = f"G00 P1 = 0 F1\n{label} X[P1]\nP1 = P1 + 1\n$IF P1 < 3 $GOTO {jump}\nX9\nM30"
@@ -477,7 +483,8 @@ def test_jumps_into_and_out_of_structures() -> None:
     assert xs(into.format("N30", "N99")) == [6, 7]
     assert xs(into.format("[E]", "N99")) == [5, 6, 7]
     for first, last in LOOPS.values():
-        out = f"G00 F1\n{first}\n$IF 1\n$SWITCH 1\n$CASE 1\nX[P1]\n$IF P1 == 2 $GOTO N9\n$BREAK\n$ENDSWITCH\n$ENDIF\n{last}\nX8\nN9: X9\nM30"
+        inner = "$IF 1\n$SWITCH 1\n$CASE 1\nX[P1]\n$IF P1 == 2 $GOTO N9\n$BREAK\n$ENDSWITCH\n$ENDIF"
+        out = f"G00 F1\n{first}\n{inner}\n{last}\nX8\nN9: X9\nM30"
         assert xs(out) == [1, 2, 9]
         for jump in ("$GOTO N5", "$GOTO N6"):
             run = decode(f"{jump}\n{first}\nN5: P2 = 1\n$IF 1\nN6: P2 = 1\n$ENDIF\n{last}\nM30")
@@ -520,7 +527,9 @@ def test_labels_beyond_the_table_are_searched_with_a_warning() -> None:
     setup = replace(SETUP, rules=Rules(labels=2))
     for labels, entry in ((["N10:", "N20:", "N30:"], C.LABELS_FULL), (["[A]", "[B]", "[C]"], C.NAMES_FULL)):
         jump = labels[2].rstrip(":")
-        text = f"G00 P1 = 0 F1\n{labels[0]} X1\n{labels[1]} X2\n{labels[2]} X3\nP1 = P1 + 1\n$IF P1 < 3 $GOTO {jump}\nM30"
+        text = (
+            f"G00 P1 = 0 F1\n{labels[0]} X1\n{labels[1]} X2\n{labels[2]} X3\nP1 = P1 + 1\n$IF P1 < 3 $GOTO {jump}\nM30"
+        )
         run = decode(text, setup)
         assert [end[0] for end in run.ends] == [1, 2, 3, 3, 3]
         assert [warning.entry for warning in run.decoder.warnings] == [entry]
@@ -567,7 +576,11 @@ def test_faulty_comment_blocks(text: str, entry: object, line: int) -> None:
 
 @pytest.mark.spec("isg.lex.line-continuation")
 def test_continued_blocks_are_one_block() -> None:
-    run = decode("N10 G00 X1 \\ (first)\nN20 Y[1 + \\\n2] Z4\n$IF P1 == 1 OR \\\n1 $GOTO N30\nX9\nN30: X5\nM30".replace("P1 == 1", "1 == 2"))
+    run = decode(
+        "N10 G00 X1 \\ (first)\nN20 Y[1 + \\\n2] Z4\n$IF P1 == 1 OR \\\n1 $GOTO N30\nX9\nN30: X5\nM30".replace(
+            "P1 == 1", "1 == 2"
+        )
+    )
     assert run.ends == [[1, 3, 4], [5, 3, 4]]
     assert [(row["line"], row["n"]) for row in run.rows if row["type"] == "line"] == [(1, 10), (7, 30)]
     assert xs("#VAR\nV.P.A[2][2] = [1, 2, \\\n 3, 4]\n#ENDVAR\nG00 X[V.P.A[1][1]]\nM30") == [4]
@@ -604,7 +617,12 @@ def test_axis_names() -> None:
         [0, 51, 0, 0], [52, 51, 0, 0], [50, 51, 0, 54], [70, 51, 0, 55], [71, 51, 0, 56], [5, 51, 0, 56], [5, 12, 0, 56],
         [5, 12, 23, 56], [5, 2, 23, 56], [50, 2, 23, 56],
     ]  # fmt: skip
-    for word, entry in (("X1", C.AXIS_UNKNOWN), ("Y51=3", C.AXIS_UNKNOWN), ("Y", C.VALUE_MISSING), ("y1", C.ADDRESS_UNKNOWN)):
+    for word, entry in (
+        ("X1", C.AXIS_UNKNOWN),
+        ("Y51=3", C.AXIS_UNKNOWN),
+        ("Y", C.VALUE_MISSING),
+        ("y1", C.ADDRESS_UNKNOWN),
+    ):
         with pytest.raises(ProgramError) as caught:
             decode(f"{word}\nM30", setup, start=(0.0,) * 4)
         assert caught.value.problem.entry is entry
@@ -626,7 +644,14 @@ def ends_of(run: Run) -> list[Floats]:
 
 @pytest.mark.spec("isg.add.hash-syntax")
 def test_the_form_of_statements() -> None:
-    for statement in ("[RESOLUTION=10]", "[RESOLUTION 10]", "[RESOLUTION10]", "[ RESOLUTION = 10 ]", "[RESOLUTIONP1]", "[RESOLUTION=P1,]"):
+    for statement in (
+        "[RESOLUTION=10]",
+        "[RESOLUTION 10]",
+        "[RESOLUTION10]",
+        "[ RESOLUTION = 10 ]",
+        "[RESOLUTIONP1]",
+        "[RESOLUTION=P1,]",
+    ):
         run = decode(f"P1 = 10\nN5 #single step {statement}\nM30")
         assert run.problem is None, run.problem
         assert run.decoder.execution.steps.resolution == 10
@@ -663,7 +688,11 @@ def test_single_step_ranges() -> None:
     assert steps(text) == [10, 20, 80, 90, 110]
     text = "N10 #SINGLE STEP [RESOLUTION = 10]\nG00 F1\nN90 X0\nN91 X[1]\nN92 X2\nX3\nN100 X5\nN101 X6\nN115 X[7]\nM30"
     assert steps(text) == [90, 100, 115]
-    for arguments, entry in (("[DISABLE ENABLE]", C.SINGLE_STEP), ("[]", C.SINGLE_STEP), ("[RESOLUTION=0]", C.RESOLUTION_INVALID)):
+    for arguments, entry in (
+        ("[DISABLE ENABLE]", C.SINGLE_STEP),
+        ("[]", C.SINGLE_STEP),
+        ("[RESOLUTION=0]", C.RESOLUTION_INVALID),
+    ):
         run = decode(f"#SINGLE STEP {arguments}\nM30")
         assert run.problem is not None
         assert run.problem.entry is entry

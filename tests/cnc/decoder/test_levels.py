@@ -113,7 +113,7 @@ def test_m6_calls_the_configured_program_as_last_action_and_is_no_function_then(
     assert problem_of("M6\nM30", setup) is C.GLOBAL_MISSING
 
 
-@pytest.mark.spec("isg.g.implicit-subroutines-g80", "isg.add.file-name")
+@pytest.mark.spec("isg.g.implicit-subroutines-g80")
 def test_file_names_are_changed_at_any_time_and_hold_until_the_end() -> None:
     files = {f"{name}.nc": f"G00 X{value}\nM17" for value, name in enumerate(("a", "b", "c", "d"), 1)}
     setup = replace(SETUP, tool_change_program="a.nc", g_programs={80: "b.nc", 839: "c.nc"}, tool_data_program="d.nc")
@@ -149,6 +149,7 @@ def test_g_calls_that_cannot_be() -> None:
     assert run.problem.entry.id == 20131
     assert problem_of(f"G80[{','.join('1' * 51)}]\nM30", setup, {"c.nc": ""}) is C.VALUES_MANY
     assert problem_of('G80["a"]\nM30', setup, {"c.nc": "M17"}) is C.STRING_NOT_ALLOWED
+    assert problem_of("%L A\nM17\n%M\nLL A M30") is C.CALL_BESIDE
     assert problem_of("M6 G80\nM30", replace(setup, tool_change_program="c.nc"), {"c.nc": "M17"}) is C.CALL_BESIDE
 
 
@@ -269,10 +270,8 @@ def test_programs_know_their_names() -> None:
     )
     run = decode(text, files={"lib/sub.nc": f"%SUB\n{sub}\nM17"})
     assert run.problem is None, run.problem
-    assert run.parameters == {
-        **{1: 1, 2: 4711, 3: 1, 4: 1, 5: 1, 6: 1, 7: 1, 8: 1, 9: text.index("P9 =")},
-        **{11: 0, 12: 4711, 13: 2},
-    }
+    told = {2: 4711, 9: text.index("P9 ="), 11: 0, 12: 4711, 13: 2}
+    assert run.parameters == told | dict.fromkeys((1, 3, 4, 5, 6, 7, 8), 1)
 
 
 @pytest.mark.spec("isg.sub.cycle-display", "isg.mh.m06-tool-change-program")

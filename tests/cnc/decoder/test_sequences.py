@@ -40,7 +40,10 @@ def test_sequences_of_a_file_and_nested_ones() -> None:
     files = {"sub.nc": "%L A\nX90\nM17\n%SUB\nV.L.GONE = 1\nN50 X5\nN55 LL A\nN60 X6\nN70 X[V.L.GONE]\nM17"}
     assert xs('G00 X0\nL SEQUENCE [NAME="sub.nc" N50 N60 REPEAT=2]\nX1\nM30', files=files) == [0, 5, 90, 6, 5, 90, 6, 1]
     assert problem_of("G00 X0\nL SEQUENCE [NAME=sub.nc N70]\nM30", files=files) is C.VARIABLE_UNSET
-    nested = "G00 X0\nN40 L SEQUENCE [N60 N150 REPEAT=2]\nN60 X6\nN90 X9\nN120 X12\nN130 L SEQUENCE [N90 N120 REPEAT=2]\nN150 X15\nM30"
+    nested = (
+        "G00 X0\nN40 L SEQUENCE [N60 N150 REPEAT=2]\nN60 X6\nN90 X9\nN120 X12\n"
+        "N130 L SEQUENCE [N90 N120 REPEAT=2]\nN150 X15\nM30"
+    )
     once = [6, 9, 12, 9, 12, 9, 12, 15]
     assert xs(nested) == [0, *once, *once, *once]
 
@@ -103,7 +106,10 @@ def test_sequences_that_cannot_be() -> None:
         ("L SEQUENCE [N20 N30]", C.SEQUENCE_ORDER),
     ):
         assert problem_of(f"G00 X0\nN30 X3\n[A] X1\nN20 X2\nN40 X4\n{call}\nM30") is entry, call
-    assert problem_of("L SEQUENCE [NAME=sub.nc N1 BEGIN]\nM30", files={"sub.nc": "N1 P1 = 1\nN2 P1 = 2"}) is C.SEQUENCE_OPEN
+    assert (
+        problem_of("L SEQUENCE [NAME=sub.nc N1 BEGIN]\nM30", files={"sub.nc": "N1 P1 = 1\nN2 P1 = 2"})
+        is C.SEQUENCE_OPEN
+    )
     for text in ("X1 #SEQUENCE END\nM30", "#SEQUENCE END X1\nM30", "X1 L SEQUENCE [N20]\nM30"):
         with pytest.raises(ProgramError):
             decode(text)
