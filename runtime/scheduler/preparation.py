@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from runtime.cnc.blocks import Block
-from runtime.cnc.decoder import Decoder, DecoderSetup, Program, load_program, located
+from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits
@@ -39,6 +39,7 @@ class Preparation:
         self._names = machine.channels[channel].axes
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
+        self._memory = ChannelMemory(self._setup)  # outlives programs
         self._software_limits = SoftwareLimits.of(machine, channel)
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
@@ -87,6 +88,7 @@ class Preparation:
             program,
             self._setup,
             start=order.start,
+            memory=self._memory,
             skip_levels=lambda: order.skip_levels,
             interrupted=lambda: self._link.waiting_order is not Order.NONE,
         )
