@@ -161,7 +161,7 @@ class Levels:
         x = self._x
         frame = x.frames[-1]
         unit, end = frame.unit, frame.section.end
-        line = unit.line(end - 1) if end > frame.section.begin and unit.complete else frame.section.line
+        line = unit.line(end - 1) if end > frame.section.begin else frame.section.line
         if frame.sequence is not None:
             raise ProgramError(catalogue.SEQUENCE_OPEN, unit.place(line), program=frame.name or unit.name)
         if len(x.frames) > 1:

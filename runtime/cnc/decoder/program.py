@@ -16,7 +16,7 @@ from runtime.cnc.decoder.passed_over import check_passed
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import ProgramError, ProgramErrors
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.index import LOOPS, Section, Unit
+from runtime.cnc.language.isg.index import LOOPS, BlockText, Section, Unit
 from runtime.cnc.language.isg.words import ParsedBlock, WordKind
 from runtime.cnc.language.text import ProgramText
 from runtime.diagnostics.catalogue import language as catalogue
@@ -137,10 +137,11 @@ class _Look:
             parsed = self._x.parser.parse(text.text, self._x.environment)
             check_continued(parsed, text)
         except LineError as error:
-            line, column, shown = text.place(error.column)
-            problem = Problem(error.entry, error.values, unit.place(line, column, shown))
-            certain = self._certain(entry, text.text) or self._looked_at(text.text)
-            yield problem if certain else _warning(problem)
+            if self._certain(entry, text.text):
+                yield self._problem(error, text)
+                return
+            told = self._passed(text.text)
+            yield _warning(self._problem(error, text)) if told is None else self._problem(told, text)
             return
         if entry in unit.faults:
             yield self._fault(entry)
@@ -156,13 +157,18 @@ class _Look:
         around = unit.around(entry)
         return not self._jumps and '"' not in text and all(unit.links[first].control in LOOPS for first in around)
 
-    def _looked_at(self, text: str) -> bool:
-        """Whether the fault is told even where the block is passed over."""
-        try:
-            check_passed(self._x, text)
-        except LineError:
-            return '"' not in text
-        return False
+    def _problem(self, error: LineError, text: BlockText) -> Problem:
+        line, column, shown = text.place(error.column)
+        return Problem(error.entry, error.values, self._unit.place(line, column, shown))
+
+    def _passed(self, text: str) -> LineError | None:
+        """What is told of a block even where it is passed over; nothing of one that macros may change."""
+        if '"' not in text:
+            try:
+                check_passed(self._x, text)
+            except LineError as error:
+                return error
+        return None
 
     def _calls(self, parsed: ParsedBlock, entry: int, text: str, line: int, section: Section) -> Iterator[Problem]:
         self._jumps |= any(word.kind is WordKind.GOTO for word in parsed.words)

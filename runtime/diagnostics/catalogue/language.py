@@ -97,7 +97,9 @@ CONTROL_WITHOUT_START = ErrorEntry(300043, "{statement} without {start}")
 CONTROL_OPEN = ErrorEntry(300044, "{statement} is not closed by {end}", remedy="add {end}")
 CONTROL_DEPTH = ErrorEntry(300045, "control statements are nested deeper than {limit}")
 CONTROL_INCOMPLETE = ErrorEntry(
-    300046, "{statement} is incomplete", remedy="$FOR P1 = start, end, step; $IF and $WHILE take a condition"
+    300046,
+    "{statement} is incomplete",
+    remedy="$FOR P1 = start, end, step; $IF and $WHILE take a condition, $GOTO a label",
 )
 
 # -- expressions ---------------------------------------------------------------------------------------------------

@@ -23,7 +23,41 @@ tokens = st.sampled_from(
         *("S1", "T1", "M3", "M10", "M30", "M17", "H20", "P1", "PP1", "P[", "=", "1", "-0.5", "1e5", "'H1F'", "["),
         *("]", "+", "**", "MOD", "SIN[", "ATAN2[", ",", "$IF", "$ELSEIF", "$ELSE", "$ENDIF", "$FOR", "$ENDFOR"),
         *("$WHILE", "$ENDWHILE", "\n", "\n", "\n", "(", ")", ";", "/", "/2", " ", "V.G.X", "#MSG", '"A"', "\\", "@P1"),
-        *(":", "EXIST[", "&&", "XOR", "<", "!=", "\x00"),
+        *(
+            ":",
+            "EXIST[",
+            "&&",
+            "XOR",
+            "<",
+            "!=",
+            "\x00",
+            "$GOTO N1",
+            "$GOTO [A]",
+            "[A]",
+            "N1:",
+            "$SWITCH",
+            "$CASE",
+            "$DEFAULT",
+        ),
+        *(
+            "$ENDSWITCH",
+            "$DO",
+            "$ENDDO",
+            "$REPEAT",
+            "$UNTIL",
+            "$BREAK",
+            "$CONTINUE",
+            "LL CYCLE [NAME=A @P1=1 MODAL_BLOCK]",
+        ),
+        *(
+            "L SEQUENCE [N1 ENDTAG]",
+            "L SEQUENCE [[A] BEGIN]",
+            "#SEQUENCE END",
+            "#COMMENT BEGIN",
+            "#COMMENT END",
+            "\\\n",
+        ),
+        *("M17 [MAIN N1]", "M17 [JUMPS=2 [A]]", "G80[1,,@P1]", '#FILE NAME [G80="x"]', "#SINGLE STEP [RESOLUTION=2]"),
     ]
 )
 
@@ -79,5 +113,5 @@ def test_the_table_of_g_functions() -> None:
     for number, function in G_FUNCTIONS.items():
         assert function.syntax.number == number
         assert function.syntax.spec
-        assert all(name.startswith("isg.") for name in function.syntax.spec)
-        assert function.syntax.syntax
+        assert all(spec.startswith("isg.") for spec in function.syntax.spec)
+        assert function.syntax.syntax.startswith("G")

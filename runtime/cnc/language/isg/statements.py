@@ -26,6 +26,7 @@ _START = re.compile(
 )
 _INLINE = re.compile(r"#(?:ANG|CANG|CHR|CHF|RND|FRC|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
 _BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_]))", re.IGNORECASE)
+_BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
@@ -201,6 +202,8 @@ class StatementParser:
                 continue
             position = _skip(text, position, " \t=")
             stop = _value_end(text, position, end, pattern)
+            if key.kind is KeyKind.NAME and (bare := _BARE_NAME.match(text, position, stop)):
+                stop = bare.end()
             value_text = text[position:stop].strip(" \t,")
             if not value_text:
                 raise LineError(catalogue.VALUE_MISSING, column, address=key.name)
@@ -314,7 +317,7 @@ class StatementParser:
         seen: set[tuple[str, int]] = set()
         for argument in arguments:
             if syntax.form is Form.KEYS and argument.name:
-                many = argument.name in ("AX", "AXNR", "P", "@P", "N", "LABEL") or syntax.name.startswith("#")
+                many = argument.name in ("AX", "AXNR", "P", "N", "LABEL") or syntax.name.startswith("#")
                 if (argument.name, argument.index) in seen and not many:
                     raise LineError(catalogue.KEY_TWICE, argument.column, key=argument.name, statement=_title(syntax))
                 seen.add((argument.name, argument.index))
@@ -411,7 +414,7 @@ def _key_pattern(keys: tuple[Key, ...]) -> re.Pattern[str]:
         elif key.kind is KeyKind.LABEL:
             name = r"\[[ \t]*[A-Za-z_][A-Za-z0-9_]*[ \t]*\]"
         else:
-            name += r"(?![A-OQ-UW-Za-z_](?![A-Za-z_0-9]*\[))"
+            name += r"(?![A-OQ-UW-Z_](?![A-Za-z_0-9]*\[))"
         alternatives.append(f"(?P<k{number}>{name})")
     return re.compile("|".join(alternatives) or r"(?!)", re.IGNORECASE)
 
@@ -447,6 +450,8 @@ def _value_end(text: str, position: int, end: int, pattern: re.Pattern[str]) -> 
         elif c == '"':
             quoted = True
         elif c == "[":
+            if depth == 0 and i > position and text[i - 1] in ' \t"]' and pattern.match(text, i, end):
+                return i  # a label
             depth += 1
         elif c == "]":
             depth -= 1
