@@ -33,7 +33,8 @@ class Place:
         (self.outside / "secret.txt").write_text("secret")
         self.setup: DecoderSetup = replace(SETUP, program_paths=(Path("sub"),), message_paths=(self.reports,))
         self.memory = ChannelMemory(self.setup)
-        self.found: dict[int | str, object] = {}
+        self.numbers: dict[int, float] = {}
+        self.texts: dict[str, float | str] = {}
 
     def run(
         self, program: str, outside: Outside | None = None, name: str = "", backups: Backups | None = None
@@ -57,9 +58,7 @@ class Place:
             if backups is not None:
                 decoder.execution.state[BACKUPS] = backups
             list(decoder.blocks())
-            self.found.clear()
-            self.found.update(decoder.parameters)
-            self.found.update(decoder.execution.program_scope.scalars)
+            self.numbers, self.texts = decoder.parameters, dict(decoder.execution.program_scope.scalars)
         except ProgramError as error:
             return error.problem
         finally:
@@ -186,7 +185,8 @@ def test_files_are_looked_for_in_programs_subprograms_and_reports(place: Place) 
     for name, folder in (("a", place.programs), ("b", place.sub), ("c", place.reports), ("sub/b", place.sub)):
         program = f'#FILE EXIST [PATH="{name}"]\nP1=V.G.FILE_EXIST V.P.N=V.G.FILE_EXIST_PATH_NAME V.P.D=V.G.FILE_EXIST_DIRECTORY'
         assert place.run(program) is None
-        assert place.found == {1: 1, "N": str(folder / Path(name).name), "D": f"{folder}/"}
+        assert place.numbers == {1: 1}
+        assert place.texts == {"N": str(folder / Path(name).name), "D": f"{folder}/"}
 
 
 @pytest.mark.spec("isg.add.file-exist")
@@ -198,7 +198,7 @@ def test_the_answer_is_kept_until_the_next_question(place: Place) -> None:
         '#FILE EXIST [PATH="sub"]\nP6=V.G.FILE_EXIST'
     )
     assert place.run(program) is None
-    assert [place.found[n] for n in range(1, 7)] == [0, 1, 1, 0, 0, 0]
+    assert [place.numbers[n] for n in range(1, 7)] == [0, 1, 1, 0, 0, 0]
 
 
 # -- #FILE DELETE and RENAME ---------------------------------------------------------------------------------------

@@ -597,6 +597,9 @@ def test_whole_sets_are_added_and_subtracted() -> None:
         "P1 = V.G.NP[2].ALL",
         "X = V.G.NP[2].ALL",
         "V.P.A = V.G.NP[2].ALL",
+        'V.P.A = FSTRING["set ", V.G.NP[2].ALL]',
+        "P1 = ABS[V.G.NP[2].ALL]",
+        "#ERROR [PV1=V.G.NP[2].ALL]",
         "$IF V.G.NP[2].ALL == V.G.NP[2].ALL\n$ENDIF",
     ],
 )

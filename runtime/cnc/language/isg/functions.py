@@ -503,7 +503,8 @@ def text_real(text: str) -> float:
 @_function("FSTRING", "isg.lex.fstring", MANY, takes=(_ANY,), gives=_STRING, least=1)
 def composed(*parts: float | str) -> str:
     """Numbers without decimals where they are whole, else as REAL_TO_STR writes them."""
-    return _limited("".join(part if isinstance(part, str) else plain_text(part) for part in parts), "FSTRING")
+    texts = [part if isinstance(part, str) else plain_text(as_number(part, "FSTRING")) for part in parts]
+    return _limited("".join(texts), "FSTRING")
 
 
 def plain_text(value: float) -> str:
