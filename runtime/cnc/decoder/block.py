@@ -237,7 +237,7 @@ class WordBlocks:
         additions.expect_no_line(x)
         if len(x.frames) > 1 and x.frame.level is not Level.FINAL:
             x.warn(catalogue.END_IN_SUBPROGRAM, column, number=number, name=x.frame.section.name or x.unit.name)
-        x.levels.finish(held, column)
+        x.levels.finish(held)
 
     # ------------------------------------------------------------------ parts
 

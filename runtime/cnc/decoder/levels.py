@@ -33,18 +33,19 @@ class Levels:
 
     def begin(self) -> None:
         """The configured program that every program start begins with (P-CHAN-00119)."""
+        if self._x.setup.start_program:
+            self._configured(self._x.setup.start_program, Level.START)
+
+    def _configured(self, name: str, level: Level) -> None:
+        """Enter a program that the configuration names: no block is there that its errors could belong to."""
         x = self._x
-        name = x.setup.start_program
-        if not name:
-            return
         try:
             unit, section = self.program(x.frame, False, name, 1)
-            self.enter(unit, section, name, 1, Level.START)
+            self.enter(unit, section, name, 1, level)
         except LineError as error:
-            place = x.unit.place(x.source.line, error.column)
-            raise ProgramError(error.entry, place, **error.values) from None
+            raise ProgramError(error.entry, x.unit.place(x.source.line), **error.values) from None
 
-    def finish(self, last: list[Block], column: int = 1) -> None:
+    def finish(self, last: list[Block]) -> None:
         """M02, M30 or the end of the text: the configured last program (P-CHAN-00252), then `last`, then the end."""
         x = self._x
         name = x.setup.final_program
@@ -52,10 +53,9 @@ class Levels:
             self._end(last or self._last)
             return
         self._last = last
-        unit, section = self.program(x.frame, False, name, column)
         while len(x.frames) > 1:
             self._pop()
-        self.enter(unit, section, name, column, Level.FINAL)
+        self._configured(name, Level.FINAL)
 
     def _end(self, last: list[Block]) -> None:
         x = self._x

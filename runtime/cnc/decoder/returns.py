@@ -25,7 +25,7 @@ def return_to(x: Execution, flow: Flow, block: CompiledBlock, values: Values) ->
         x.warn(catalogue.JUMPS_MANY, word.column, value=count, levels=above)
     aimed = number is not None or bool(word.name)
     if not above and not aimed:  # as M17 in the main program
-        x.levels.finish([], word.column)
+        x.levels.finish([])
         return
     position = _position(x.frames[max(above - count, 0)], word, number) if aimed else None
     for _ in range(min(count, above)):

@@ -178,6 +178,14 @@ def test_every_end_comes_behind_the_configured_program(end: str) -> None:
     assert kinds == [("m", 10), ("m", number), ("stop", None)]
 
 
+def test_faulty_configured_programs_are_errors_of_the_program() -> None:
+    for name, limit, entry in (("a b", 50, C.NAME_CHARACTER), ("a", 50, C.GLOBAL_MISSING), ("sub.nc", 1, C.CALL_DEPTH)):
+        for where in ("start_program", "final_program"):
+            setup = replace(SETUP, limits=replace(SETUP.limits, levels=limit), **{where: name})  # type: ignore[arg-type]
+            for text in ("G00 X1\nM30", "G00 X1"):
+                assert problem_of(text, setup, {"sub.nc": "M17"}) is entry
+
+
 @pytest.mark.spec("isg.mh.m02-m30-program-end")
 def test_what_survives_the_end_of_a_program(tmp_path: Path) -> None:
     text = (
