@@ -66,7 +66,9 @@ def contours(draw: st.DrawFn) -> str:
         to_x, to_y = draw(_steps), draw(_steps)
         circle = f"G0{draw(st.sampled_from('23'))}"
         i, j = draw(_sizes), draw(_steps)
-        match draw(st.sampled_from(["line", "incremental", "radius", "full", "absolute centre", "opening", "angle", "corner"])):
+        match draw(
+            st.sampled_from(["line", "incremental", "radius", "full", "absolute centre", "opening", "angle", "corner"])
+        ):
             case "line":
                 lines.append(f"G01 X{to_x} Y{to_y}")
                 x, y = to_x, to_y

@@ -36,7 +36,7 @@ def test_offsets_add_up_in_any_order(contour: str, order: list[str]) -> None:
     moved = decode("G53 G00 X-20\n" + "\n".join(order) + f"\n{contour}\nM30")
     behind = order[order.index("#PSET X10") + 1 :]
     preset = -20 - 10 + sum({"G56": 300, "G92 X3 Y-4 Z2": 3}[word] for word in behind)
-    np.testing.assert_allclose(path(moved)[1:], path(plain) + (preset, 30 - 4, 3 + 2), atol=1e-6)
+    np.testing.assert_allclose(path(moved)[1:], path(plain) + np.array([preset, 30 - 4, 3 + 2]), atol=1e-6)
     np.testing.assert_allclose(programmed(moved)[1:], programmed(plain), atol=1e-6)
 
 
@@ -138,7 +138,13 @@ def test_offsets_are_left_out_in_one_block() -> None:
 
 @pytest.mark.spec("isg.add.suppress-offsets")
 def test_what_a_block_selects_holds_behind_it_too() -> None:
-    assert x_of("G00 G54 X1\nG55 #SUPPRESS OFFSETS X1\nX1\nG91 #SUPPRESS OFFSETS X1\nG90 X1\nM30") == [101, 1, 201, 202, 201]
+    assert x_of("G00 G54 X1\nG55 #SUPPRESS OFFSETS X1\nX1\nG91 #SUPPRESS OFFSETS X1\nG90 X1\nM30") == [
+        101,
+        1,
+        201,
+        202,
+        201,
+    ]
     assert x_of("G21\nG54 G00 X1\n#SUPPRESS OFFSETS X1\nX1\nM30") == [99, -1, 99]
     assert entries("#SUPPRESS OFFSETS\nM30") == [(catalogue.SUPPRESS_AXES, 1)]
     assert entries("#SUPPRESS OFFSETS [OTHER] X1\nM30") == [(catalogue.KEY_UNKNOWN, 1)]
