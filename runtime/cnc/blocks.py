@@ -143,6 +143,7 @@ class SpatialArc:
     centre: Floats
     normal: Floats
     angle: float
+    pcs_gain: Floats | None = None  # as in Line
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from runtime.cnc.decoder.arcs import through_three_points
 from runtime.cnc.decoder.circles import Circle
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, require_feed
-from runtime.cnc.decoder.motion import programmed_at, target
+from runtime.cnc.decoder.motion import pcs_gain, programmed_at, target
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock
 from runtime.cnc.language.isg.words import WordKind
@@ -32,8 +32,19 @@ def spatial_arc(x: Execution, block: CompiledBlock, corner: Corner | None) -> No
     end = target(x, block)
     arc = through_three_points(np.array(start[:3]), np.array(interim[:3]), np.array(end[:3]))
     feed = feed_of(x, block, start, end, (MAIN_AXES, Circle((0.0, 0.0), arc.radius, arc.angle)))
-    programmed = np.array(programmed_at(x, end))
-    x.emit(SpatialArc(x.source, np.array(start), np.array(end), feed, programmed, arc.centre, arc.normal, arc.angle))
+    x.emit(
+        SpatialArc(
+            x.source,
+            np.array(start),
+            np.array(end),
+            feed,
+            np.array(programmed_at(x, end)),
+            arc.centre,
+            arc.normal,
+            arc.angle,
+            pcs_gain(x),
+        )
+    )
     coordinates.moved(end)
 
 

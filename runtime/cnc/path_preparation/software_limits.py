@@ -65,7 +65,7 @@ def _first_moves(run: Polyline, count: int) -> Polyline:
 
 class SoftwareLimits:
     """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no
-    limit.
+    limit. A program may change them for itself (G98, G99); the next one begins with these again.
 
     Raises SoftwareLimitError before it yields the block that would leave the range.
     """
@@ -76,6 +76,7 @@ class SoftwareLimits:
         self._names = list(names)
         self._low: Floats = np.array([-np.inf if p is None else p for p in position_min]) - ROUNDING
         self._high: Floats = np.array([np.inf if p is None else p for p in position_max]) + ROUNDING
+        self._configured = self._low, self._high
 
     @classmethod
     def of(cls, machine: Machine, channel: int = 0) -> SoftwareLimits:
@@ -89,6 +90,7 @@ class SoftwareLimits:
         return np.clip(position, self._low, self._high)
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
+        self._low, self._high = self._configured
         for block in blocks:
             if isinstance(block, SoftwareLimitChange):
                 self._low = np.array([low for low, _ in block.limits]) - ROUNDING

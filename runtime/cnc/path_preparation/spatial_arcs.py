@@ -47,6 +47,7 @@ def in_parts(arc: SpatialArc) -> Arc | Polyline:
         arc.centre[list(plane)],
         radius,
         math.copysign(arc.angle, arc.normal[main]),
+        pcs_gain=arc.pcs_gain,
     )
 
 
@@ -70,6 +71,7 @@ def _chords(arc: SpatialArc, radius: float) -> Polyline:
         np.full(count, arc.feed),
         np.full(count, arc.source.line, dtype=np.int64),
         np.full(count, number, dtype=np.int64),
-        arc.end - arc.end_pcs,
+        arc.end - arc.end_pcs * (1.0 if arc.pcs_gain is None else arc.pcs_gain),
+        arc.pcs_gain,
         one_block=True,
     )

@@ -91,7 +91,7 @@ def test_wrong_radii(text: str, entry: ErrorEntry) -> None:
 @pytest.mark.spec("isg.g.circular-radius", "isg.g.units-g70-g71")
 def test_a_modal_radius_keeps_the_length_that_it_was_programmed_with() -> None:
     first, second, third = arcs("G70 G163=1\nG71 G02 X50.8 F100\nX76.2\nG01 X0\nG02 X2 R1")
-    assert (first.radius, second.radius, third.radius) == (pytest.approx(25.4), pytest.approx(25.4), 1)
+    assert [first.radius, second.radius, third.radius] == pytest.approx([25.4, 25.4, 1])
 
 
 # -- helix
@@ -128,7 +128,7 @@ def test_centres_do_not_follow_the_dimension() -> None:
     for centre in ("G162 I0 J10", "G161 I5 J15"):
         for dimension, target in (("G90", "X15 Y15"), ("G91", "X10 Y10")):
             (arc,) = arcs(f"G00 X5 Y5\n{dimension} G03 {target} {centre} F100")
-            assert (arc.centre.tolist(), arc.angle) == ([5, 15], pytest.approx(90))
+            assert [*arc.centre, arc.angle] == pytest.approx([5, 15, 90])
 
 
 @pytest.mark.spec("isg.g.circle-centre-correction-g164-g165")

@@ -36,7 +36,7 @@ def test_offsets_add_up_in_any_order(contour: str, order: list[str]) -> None:
     moved = decode("G53 G00 X-20\n" + "\n".join(order) + f"\n{contour}\nM30")
     behind = order[order.index("#PSET X10") + 1 :]
     preset = -20 - 10 + sum({"G56": 300, "G92 X3 Y-4 Z2": 3}[word] for word in behind)
-    np.testing.assert_allclose(path(moved)[1:], path(plain) + (preset, 30 - 4, 3 + 2), atol=1e-6)
+    np.testing.assert_allclose(path(moved)[1:], path(plain) + np.array([preset, 30 - 4, 3 + 2]), atol=1e-6)
     np.testing.assert_allclose(programmed(moved)[1:], programmed(plain), atol=1e-6)
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from runtime.cnc.blocks import Arc, Block, Line, Polyline, Source
+from runtime.cnc.blocks import Arc, Block, Line, Polyline, SoftwareLimitChange, Source
 from runtime.cnc.path_preparation import SoftwareLimitError, SoftwareLimits
 
 STAGE = SoftwareLimits(("X", "Y", "Z"), (-50.0, -50.0, None), (100.0, 100.0, 80.0))
@@ -28,6 +28,17 @@ def test_blocks_before_the_error_are_handed_on_and_the_error_says_all() -> None:
         "part.nc:3: 301001: the target of axis Y, -50.5000, lies beyond its software limit position_min = -50.0000"
     )
     assert problem.entry.remedy
+
+
+@pytest.mark.spec("isg.g.soft-limits-g98-g99", "isg.g.soft-limits-extension")
+def test_a_program_changes_the_limits_from_its_block_on() -> None:
+    stage = SoftwareLimits(("X", "Y", "Z"), (-50.0, -50.0, None), (100.0, 100.0, 80.0))
+    wider = SoftwareLimitChange(Source("part.nc", 2), ((-50.0, 450.0), (-50.0, 100.0), (0.0, 80.0)))
+    assert len(list(stage([line(100, 0, -1), wider, line(450, 0, 0), line(100, 0, 80)]))) == 3
+    with pytest.raises(SoftwareLimitError):
+        list(stage([wider, line(100, 0, -1)]))
+    with pytest.raises(SoftwareLimitError):  # the next program begins with the configured ones
+        list(stage([line(101, 0, 0)]))
 
 
 def test_an_axis_without_limit_is_free() -> None:
