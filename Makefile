@@ -1,5 +1,6 @@
 # make run     the demo machine mills a plate        make test    every check and test
 # make bench   measures                              make lock    new versions of the dependencies
+# make test-vm the runtime on a PREEMPT_RT kernel with SocketCAN, in QEMU (skipped, with the reason, where that cannot be)
 #
 # Everything lives in .venv; nothing needs root. PYTHON=… chooses another interpreter, 3.11 or later.
 
@@ -7,7 +8,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .ONESHELL:
 .DEFAULT_GOAL := help
-.PHONY: help install run test check pytest bench lock clean
+.PHONY: help install run test check pytest test-vm bench lock clean
 
 PYTHON ?=
 PYTEST_ARGS ?=
@@ -18,7 +19,7 @@ FINGERPRINT := $(shell { cat pyproject.toml requirements.lock; pwd; } | sha256su
 INSTALLED := .venv/installed-$(FINGERPRINT)
 
 help:
-	@sed -n 's/^# //p' Makefile | head -3
+	@sed -n 's/^# //p' Makefile | head -4
 
 install: $(INSTALLED)
 
@@ -62,6 +63,10 @@ pytest: $(INSTALLED)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m uncompiled $(PYTEST_ARGS)
 	echo "== pytest"
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+test-vm: $(INSTALLED)
+	@echo "== virtual machine"
+	$(BIN)/python -m pytest tests/vm -rs $(PYTEST_ARGS)
 
 bench: $(INSTALLED)
 	@$(BIN)/python -m bench
