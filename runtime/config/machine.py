@@ -175,6 +175,7 @@ class Drive(_Model):
     product_code: Identity | None = None
     sdo: dict[str, int] = Field(default_factory=dict)  # start-up writes: "0x6085" or "0x60C2:1" -> value
     simulated: SimulatedServo = SimulatedServo()
+    optional: bool = False  # the machine starts without it, and takes it in when it comes
 
 
 class Axis(_Model):
@@ -258,6 +259,8 @@ class Bus(_Model):
     heartbeat: Seconds = 0.1  # producer time of the master and the nodes
     heartbeat_timeout: Seconds = 0.3
     boot_timeout: Seconds = 5.0
+    sync_counter: Annotated[int, Field(ge=2, le=240)] | None = None  # SYNC counts 1 to this (object 0x1019)
+    time_stamp: Seconds | None = None  # the master sends TIME (0x100) this often
 
 
 class IoNode(_Model):
@@ -268,6 +271,7 @@ class IoNode(_Model):
     vendor_id: Identity | None = None
     inputs: Several[str] = ()
     outputs: Several[str] = ()
+    optional: bool = False  # the machine starts without it, and takes it in when it comes
 
 
 class Fieldbus(_Model):

@@ -11,7 +11,7 @@ import pytest
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.drives import DriveState
-from runtime.fieldbus.boot import interpolation_time
+from runtime.fieldbus.dialogue import interpolation_time
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.simulator import Fault
 from tests.fieldbus.rig import Rig, demo_description

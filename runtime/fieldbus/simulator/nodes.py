@@ -9,8 +9,8 @@ from __future__ import annotations
 import can
 
 from runtime.config.machine import Machine
-from runtime.fieldbus.boot import SYNC
 from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
+from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.simulator.drive import OVER_CURRENT, Fault, SimulatedDrive
 from runtime.fieldbus.simulator.encoder import EncoderFile
