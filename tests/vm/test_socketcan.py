@@ -10,10 +10,11 @@ from typing import Any
 
 import pytest
 
+from runtime.diagnostics.catalogue import fieldbus
 from tests.vm import capture, parts, qemu
 from tests.vm.guest.machine import PERIOD_MS
 
-LIMIT = 280.0  # s for the whole run in the guest
+LIMIT = 580.0  # s for the whole run in the guest
 AXES = {"X": 1, "Y": 2, "Z": 3}  # name: node
 INCREMENTS = 10_000  # per mm
 RAPID = {"X": 400.0, "Y": 400.0, "Z": 250.0}  # mm/s
@@ -71,8 +72,8 @@ def test_figures_of_the_master_beside_bare_python_can(seen: Seen, capsys: pytest
         )
     assert master["cycles"] == bare["cycles"]
     # an RPDO per drive and the SYNC; a TPDO back from each; a heartbeat and the outputs now and then
-    assert 9.0 <= master["sent_per_cycle"] < 9.5
-    assert 8.0 <= master["received_per_cycle"] < 9.5
+    assert 9.0 <= master["sent_per_cycle"] < 10.5
+    assert 8.0 <= master["received_per_cycle"] < 12.0
 
 
 def test_a_program_is_milled(seen: Seen) -> None:
@@ -113,6 +114,50 @@ def test_the_bus_load_is_that_of_the_frames(seen: Seen) -> None:
     syncs = sum(frame.identifier == capture.SYNC for frame in frames)
     counted = capture.load(frames, syncs * PERIOD_MS / 1000.0, BITRATE)
     assert seen.scene("milling")["bus_load"] == pytest.approx(counted, rel=0.05)
+
+
+def ids_of(alarms: list[tuple[int, str]]) -> set[int]:
+    return {number for number, _ in alarms}
+
+
+def test_an_unplugged_node_stops_the_path_and_comes_back(seen: Seen) -> None:
+    scene = seen.scene("unplug")
+    assert scene["refused"] == ""
+    assert scene["after"]["state"] == "ERROR"
+    # a moving axis is missed by its following error before its heartbeat is; then its heartbeat is
+    assert ids_of(scene["after"]["alarms"]) & {fieldbus.HEARTBEAT_LOST.id, fieldbus.PROCESS_DATA_LOST.id}
+    assert scene["after"]["enabled"][1] is False
+    after = seen.during("unplugged", "plugged")
+    stand = capture.targets(after, AXES["X"])[-50:]
+    assert len({target for _, target in stand}) <= 1, "the other axes stand"
+    assert seen.scene("steps")["enabled again"] > seen.scene("steps")["plugged"]
+
+
+def test_a_node_that_booted_again_is_taken_in(seen: Seen) -> None:
+    assert {fieldbus.NODE_RESTARTED.id, fieldbus.NODE_REJOINED.id} <= ids_of(seen.scene("reboot")["after"]["alarms"])
+
+
+def test_a_flood_harms_nobody_or_is_told(seen: Seen) -> None:
+    scene = seen.scene("flood")
+    flooded = seen.during("flood", "flooded")
+    assert sum(frame.identifier == 0x7F0 for frame in flooded) > 100
+    assert scene["sent"] > 100
+    told = ids_of(scene["after"]["alarms"])
+    assert scene["after"]["state"] == "ACTIVE" or told, "it goes on, or says why not"
+
+
+def test_an_interface_that_goes_down_and_comes_up(seen: Seen) -> None:
+    scene = seen.scene("interface_down")
+    assert fieldbus.BUS_GONE.id in ids_of(scene["after"]["alarms"])
+    assert not any(scene["after"]["enabled"])
+    assert {fieldbus.BUS_BACK.id, fieldbus.NODE_REJOINED.id} <= ids_of(scene["up"]["alarms"])
+
+
+def test_after_all_that_the_same_program_ends_at_the_same_place(seen: Seen) -> None:
+    scene = seen.scene("mill_again")
+    assert scene["refused"] == ""
+    assert scene["alarms"] == []
+    assert scene["positions"][:3] == pytest.approx(seen.scene("milling")["positions"][:3], abs=0.01)
 
 
 def test_the_machine_ends_in_order(seen: Seen) -> None:

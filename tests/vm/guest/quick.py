@@ -9,13 +9,23 @@ import json
 import os
 import subprocess
 import sys
+import time
 import traceback
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+import can
+
+from runtime.diagnostics.catalogue import fieldbus
 from runtime.hli.layout import State
 from tests.vm.guest import figures
 from tests.vm.guest.machine import GuestMachine
+
+Scene = Callable[[GuestMachine, dict[str, Any], Path], None]
+
+NODES: Final = 5
+FLOOD_TIME: Final = 3.0  # s
 
 PROGRAM = """N10 G53 G90 G17 G94
 N20 M20
@@ -74,7 +84,7 @@ def _scenes(machine: GuestMachine, folder: Path, seen: dict[str, Any]) -> None:
     program.write_text(PROGRAM)
     long_program.write_text(LONG_PROGRAM)
     machine.start()
-    machine.wait_for("running", machine.attached, 120.0)
+    machine.wait_for("running", machine.attached)
     machine.wait_for("enabled", lambda: all(machine.enabled()) and bool(machine.hli.platform.plc_running_r))
 
     seen["milling"] = scene = {"refused": machine.order_start(program)}
@@ -82,11 +92,10 @@ def _scenes(machine: GuestMachine, folder: Path, seen: dict[str, Any]) -> None:
     machine.wait_for("milled", lambda: machine.state() is not State.ACTIVE)
     scene |= _look(machine)
 
-    for name in SCENES:
+    for name, play in SCENES.items():
         machine.forget_alarms()
         seen[name] = scene = {}
-        print("scene", name, machine.state().name, flush=True)
-        SCENES[name](machine, scene, long_program)
+        play(machine, scene, long_program)
 
     seen["exit_code"] = machine.stop()
 
@@ -116,7 +125,75 @@ def _rest(machine: GuestMachine) -> None:
     machine.wait_for("enabled again", lambda: all(machine.enabled()) and machine.state() is State.SELECTED)
 
 
-SCENES: dict[str, Any] = {}
+def unplug(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """The cable of node 2 is cut in motion, and mended."""
+    _move(machine, program, scene)
+    machine.tell_drives("silent 2")
+    machine.wait_for("unplugged", lambda: machine.state() is State.ERROR)
+    machine.pause(3.0)
+    scene["after"] = _look(machine)
+    machine.tell_drives("heal 2")
+    machine.wait_for("plugged", lambda: machine.has_alarm(fieldbus.NODE_REJOINED.id))
+    _rest(machine)
+
+
+def reboot(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """The supply of node 3 fails for a moment, at rest."""
+    machine.tell_drives("reboot 3")
+    machine.wait_for("rebooted", lambda: machine.has_alarm(fieldbus.NODE_RESTARTED.id))
+    machine.wait_for("back after reboot", lambda: machine.has_alarm(fieldbus.NODE_REJOINED.id))
+    scene["after"] = _look(machine)
+    _rest(machine)
+
+
+def flood(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """A babbling station fills the wire with frames of nobody, in motion."""
+    _move(machine, program, scene)
+    machine.steps["flood"] = time.time()
+    frame = can.Message(arbitration_id=0x7F0, data=bytes(8), is_extended_id=False)
+    sent = 0
+    with can.Bus(interface="socketcan", channel="can1") as station:
+        end = time.monotonic() + FLOOD_TIME
+        while time.monotonic() < end:
+            try:
+                station.send(frame)
+                sent += 1
+            except can.CanError:  # its queue is full: that is the point
+                time.sleep(0.001)
+    machine.steps["flooded"] = time.time()
+    machine.pause(2.0)
+    scene |= {"sent": sent, "after": _look(machine)}
+    _rest(machine)
+
+
+def interface_down(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """The interface of the master is taken down in motion, and up again."""
+    _move(machine, program, scene)
+    subprocess.run(["ip", "link", "set", "can0", "down"], check=True)
+    machine.wait_for("down", lambda: machine.state() is State.ERROR)
+    machine.pause(4.0)
+    scene["after"] = _look(machine)
+    subprocess.run(["ip", "link", "set", "can0", "up"], check=True)
+    machine.wait_for("up", lambda: sum(number == fieldbus.NODE_REJOINED.id for number, _ in machine.alarms()) == NODES)
+    scene["up"] = _look(machine)
+    _rest(machine)
+
+
+def mill_again(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """After all that the machine does what it did before."""
+    scene["refused"] = machine.order_start(Path("/run/tmp/part.nc"))
+    machine.wait_for("milling again", lambda: machine.state() is State.ACTIVE)
+    machine.wait_for("milled again", lambda: machine.state() is not State.ACTIVE)
+    scene |= _look(machine)
+
+
+SCENES: dict[str, Scene] = {
+    "unplug": unplug,
+    "reboot": reboot,
+    "flood": flood,
+    "interface_down": interface_down,
+    "mill_again": mill_again,
+}
 
 
 def main() -> int:
