@@ -59,6 +59,8 @@ class BootSequence:
             self._hold(link, self._dialogues.first_values(link))
         for link in present:
             self._command(link.node, "OPERATIONAL")
+            if link.guarded:
+                self._network.send_message(0x700 + link.node, b"", remote=True)
         self._wait_operational(present)
 
     def _listen(self) -> None:

@@ -27,6 +27,8 @@ SYNC_COB_ID: Final = 0x1005
 SYNC_PERIOD: Final = 0x1006  # µs
 SYNC_COUNTER: Final = 0x1019
 TIME_COB_ID: Final = 0x1012
+GUARD_TIME: Final = 0x100C  # ms
+LIFE_TIME_FACTOR: Final = 0x100D
 CONSUMER_HEARTBEAT: Final = 0x1016
 PRODUCER_HEARTBEAT: Final = 0x1017
 IDENTITY: Final = 0x1018
@@ -105,9 +107,14 @@ class NodeDialogues:
 
     def configure(self, link: DriveLink | IoLink) -> Dialogue:
         """Watching, profile, start-up list, process data: in this order."""
-        yield Access(PRODUCER_HEARTBEAT, 0, round(self._bus.heartbeat * 1000))
-        timeout_ms = round(self._bus.heartbeat_timeout * 1000)
-        yield Access(CONSUMER_HEARTBEAT, 1, self._bus.master_node << 16 | timeout_ms)
+        heartbeat_ms, timeout_ms = round(self._bus.heartbeat * 1000), round(self._bus.heartbeat_timeout * 1000)
+        if link.guarded:
+            link.toggle = -1
+            yield Access(GUARD_TIME, 0, heartbeat_ms)
+            yield Access(LIFE_TIME_FACTOR, 0, min(-(-timeout_ms // heartbeat_ms), 255))
+        else:
+            yield Access(PRODUCER_HEARTBEAT, 0, heartbeat_ms)
+            yield Access(CONSUMER_HEARTBEAT, 1, self._bus.master_node << 16 | timeout_ms)
         for index, value in self._clock_objects():
             if has(link, index):
                 yield Access(index, 0, value)

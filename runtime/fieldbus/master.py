@@ -86,6 +86,7 @@ class CanopenMaster:
         self._links: Links = []
         self._drives: list[DriveLink] = []
         self._ios: list[IoLink] = []
+        self._guards: list[can.Message] = []  # requests to nodes without a heartbeat
         self._table: dict[int, Receiver] = {}
         self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
         self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
@@ -132,6 +133,11 @@ class CanopenMaster:
         self._links = make_links(self._machine)
         self._drives = [link for link in self._links if isinstance(link, DriveLink)]
         self._ios = [link for link in self._links if isinstance(link, IoLink)]
+        self._guards = [
+            can.Message(arbitration_id=0x700 + link.node, is_extended_id=False, is_remote_frame=True, dlc=1)
+            for link in self._links
+            if link.guarded
+        ]
         self._plan_load()
         self._dialogues = NodeDialogues(self._machine, self.image)
         boot = BootSequence(
@@ -270,6 +276,8 @@ class CanopenMaster:
         if self._config.heartbeat and self._cycle_time >= self._next_heartbeat:
             self._next_heartbeat = max(self._next_heartbeat + self._config.heartbeat, self._cycle_time)
             self._send(self._heartbeat)
+            for request in self._guards:
+                self._send(request)
 
     def _send(self, message: can.Message) -> None:
         self._bus.send(message)
@@ -404,6 +412,11 @@ class CanopenMaster:
         if not data:
             return
         state = data[0] & 0x7F
+        if link.guarded and state != BOOT_UP:
+            toggle = data[0] >> 7
+            if toggle == link.toggle:  # the answer before, once more: no sign of life (CiA 301, node guarding)
+                return
+            link.toggle = toggle
         link.nmt_state = state
         link.last_heartbeat = self._cycle_time
         if state == BOOT_UP:

@@ -42,7 +42,6 @@ mount --bind /proc /root/proc; mount --bind /sys /root/sys; mount --bind /dev /r
 mkdir -p /dev/shm; mount -t tmpfs shm /dev/shm
 ip link set lo up
 echo 1 > /proc/sys/kernel/printk
-echo -1 > /proc/sys/kernel/sched_rt_runtime_us
 cat > /root/run/job <<'JOB'
 {job}
 JOB

@@ -21,7 +21,7 @@ from runtime.hli.memory import HliMemory
 from runtime.hli.operator import Operator, OrderRefusedError
 
 LIMIT: Final = 180.0  # s for anything to happen at all
-PERIOD_MS: Final = 10  # an emulated processor is slow
+PERIOD_MS: Final = 20  # an emulated processor is slow
 NAME: Final = "tandem-vm"
 
 
@@ -38,7 +38,7 @@ def description(channel: str) -> dict[str, Any]:
         "boot_timeout": "30 s",
     }  # fmt: skip
     for axis in machine["axes"]:
-        axis["following_error"] = 50.0  # a cycle of 10 ms at 400 mm/s is 4 mm, and a late one more
+        axis["following_error"] = 50.0  # a cycle of 20 ms at 400 mm/s is 8 mm, and a late one more
     machine["plc"] |= {"every": 4, "watchdog": "3 s"}
     machine["state_directory"] = "/run/tmp/state"
     return machine
