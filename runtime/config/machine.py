@@ -176,6 +176,9 @@ class Drive(_Model):
     sdo: dict[str, int] = Field(default_factory=dict)  # start-up writes: "0x6085" or "0x60C2:1" -> value
     simulated: SimulatedServo = SimulatedServo()
     optional: bool = False  # the machine starts without it, and takes it in when it comes
+    configuration: Annotated[tuple[Identity, Identity], Field(strict=False)] | None = (
+        None  # 0x1020: date and time, checked
+    )
 
 
 class Axis(_Model):
@@ -272,6 +275,9 @@ class IoNode(_Model):
     inputs: Several[str] = ()
     outputs: Several[str] = ()
     optional: bool = False  # the machine starts without it, and takes it in when it comes
+    configuration: Annotated[tuple[Identity, Identity], Field(strict=False)] | None = (
+        None  # 0x1020: date and time, checked
+    )
 
 
 class Fieldbus(_Model):

@@ -32,6 +32,7 @@ LIFE_TIME_FACTOR: Final = 0x100D
 CONSUMER_HEARTBEAT: Final = 0x1016
 PRODUCER_HEARTBEAT: Final = 0x1017
 IDENTITY: Final = 0x1018
+VERIFY_CONFIGURATION: Final = 0x1020  # days since 1984, ms since midnight
 INTERPOLATION_PERIOD: Final = 0x60C2
 
 SYNC: Final = 0x80
@@ -99,6 +100,10 @@ class NodeDialogues:
             raise refused(catalogue.WRONG_VENDOR, link, actual=vendor, expected=link.vendor_id)
         if link.product_code is not None and (product := (yield Access(IDENTITY, 2))) != link.product_code:
             raise refused(catalogue.WRONG_PRODUCT, link, actual=product, expected=link.product_code)
+        if link.configuration is not None:
+            found = ((yield Access(VERIFY_CONFIGURATION, 1)), (yield Access(VERIFY_CONFIGURATION, 2)))
+            if found != link.configuration:
+                raise refused(catalogue.WRONG_CONFIGURATION, link, actual=found, expected=link.configuration)
         if isinstance(link, DriveLink) and has(link, cia402.SUPPORTED_MODES):
             modes = yield Access(cia402.SUPPORTED_MODES)
             if not modes >> (link.mode - 1) & 1:

@@ -45,6 +45,7 @@ class NodeLink:
     layouts: dict[PdoPlan, PdoLayout]  # the PDOs in use
     axis: int = -1  # index into the image, -1 for I/O
     optional: bool = False  # may be missing at the boot
+    configuration: tuple[int, int] | None = None  # date and time that object 0x1020 must tell
     guarded: bool = False  # has no heartbeat: it is asked for its state (node guarding)
     toggle: int = -1  # bit 7 of its last answer, which has to change every time; -1 before the first one
     booted: bool = False

@@ -75,6 +75,12 @@ BUS_TOO_SLOW = ErrorEntry(
     "the frames of one cycle take {needed} µs of the bus at {bitrate} bit/s, {excess} µs more than the cycle of {period} µs",
     remedy="choose a longer cycle or a higher bit rate, or divide the nodes",
 )
+WRONG_CONFIGURATION = ErrorEntry(
+    303016,
+    "the configuration stored in node {node} ({owner}) is of date and time {actual} (object 0x1020), expected is {expected}",
+    remedy="store the right parameters in the device with its own tool, or correct configuration",
+    source="CiA 302-2, verify configuration",
+)
 # -- boot ------------------------------------------------------------------------------------------------------------
 OTHER_MASTER = ErrorEntry(
     303020,
