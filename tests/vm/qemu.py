@@ -25,7 +25,7 @@ from tests.vm import initramfs, parts
 
 PROJECT: Final = Path(__file__).parents[2]
 MEMORY_MB: Final = 2048
-PROCESSORS: Final = 2
+PROCESSORS: Final = 3
 GENERIC: Final = {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}  # machine code that host and guest both run
 
 _QUICK_INIT: Final = """#!/bin/sh
