@@ -71,9 +71,9 @@ def test_figures_of_the_master_beside_bare_python_can(seen: Seen, capsys: pytest
             f"{bare['median_us']:.0f}, {bare['p99_us']:.0f} µs"
         )
     assert master["cycles"] == bare["cycles"]
-    # an RPDO per drive and the SYNC; a TPDO back from each; a heartbeat and the outputs now and then
-    assert 9.0 <= master["sent_per_cycle"] < 10.5
-    assert 8.0 <= master["received_per_cycle"] < 12.0
+    # An RPDO per drive and the SYNC, a TPDO back from each. Heartbeats and outputs come by time: more on a slow computer.
+    assert master["sent_per_cycle"] >= 9.0
+    assert master["received_per_cycle"] >= 8.0
 
 
 def test_a_program_is_milled(seen: Seen) -> None:
