@@ -67,7 +67,19 @@ class GuestMachine:
             "drives", ["-m", "runtime.fieldbus.simulator", "--machine", str(files["drives"]), "--commands"]
         )
         self.runtime = self._spawn(
-            "runtime", ["-m", "runtime.cli.main", "run", "-c", str(files["master"]), "--name", NAME, "--verbose"]
+            "runtime",
+            [
+                "-m",
+                "runtime.cli.main",
+                "run",
+                "-c",
+                str(files["master"]),
+                "--name",
+                NAME,
+                "--verbose",
+                "--start-limit",
+                "180",
+            ],
         )
 
     def _spawn(self, name: str, arguments: list[str]) -> subprocess.Popen[str]:
