@@ -1,5 +1,6 @@
 # make run     the demo machine mills a plate        make test    every check and test
 # make bench   measures                              make lock    new versions of the dependencies
+# make test-vm                         the runtime on a PREEMPT_RT kernel with SocketCAN, in QEMU (skipped, with the reason, where that cannot be)
 # make fuzz SECONDS=300                looks for bytes that crash the decoder
 # make coverage-spec SPEC=FOLDER       which entries of a catalogue have passing tests; CORE=1,2 GROUPS=1 RESULTS=FILE
 #
@@ -9,7 +10,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .ONESHELL:
 .DEFAULT_GOAL := help
-.PHONY: help install run test check pytest coverage-spec fuzz bench lock clean
+.PHONY: help install run test check pytest test-vm coverage-spec fuzz bench lock clean
 
 PYTHON ?=
 PYTEST_ARGS ?=
@@ -26,7 +27,7 @@ FINGERPRINT := $(shell { cat pyproject.toml requirements.lock; pwd; } | sha256su
 INSTALLED := .venv/installed-$(FINGERPRINT)
 
 help:
-	@sed -n 's/^# //p' Makefile | head -5
+	@sed -n 's/^# //p' Makefile | head -6
 
 install: $(INSTALLED)
 
@@ -82,6 +83,10 @@ coverage-spec: $(INSTALLED)
 
 fuzz: $(INSTALLED)
 	@$(BIN)/python -m tests.fuzz --seconds $(SECONDS)
+
+test-vm: $(INSTALLED)
+	@echo "== virtual machine"
+	$(BIN)/python -m pytest tests/vm -rs $(PYTEST_ARGS)
 
 bench: $(INSTALLED)
 	@$(BIN)/python -m bench

@@ -99,9 +99,7 @@ def test_every_program_begins_in_the_initial_state(tmp_path: Path) -> None:
     """G01 G17 G20 G53 G69 G71 G90 G94 G162 G165, no offset, no radius, no feed: whatever the program before has left."""
     assert ends("G1 X1 F1\nG01 X2\nG0 X3\nG00 X4\nM30") == [[1, 0, 0], [2, 0, 0], [3, 0, 0], [4, 0, 0]]
     file = tmp_path / "a.nc"
-    file.write_text(
-        "G02 G18 G22 G55 G70 G91 G95 G161 G164 F3 R5\nG92 X1\nG351 Z-1\n#SCALE ON X2\nG68 R30 Z1\nM30"
-    )
+    file.write_text("G02 G18 G22 G55 G70 G91 G95 G161 G164 F3 R5\nG92 X1\nG351 Z-1\n#SCALE ON X2\nG68 R30 Z1\nM30")
     memory = ChannelMemory(SETUP)
     for _ in range(2):
         program = load_program(file, SETUP)
