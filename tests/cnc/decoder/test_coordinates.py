@@ -74,7 +74,6 @@ def test_a_scaled_program_gives_the_scaled_path(contour: str, factor: float) -> 
     np.testing.assert_allclose(programmed(scaled), programmed(plain), atol=1e-6)
 
 
-@pytest.mark.spec("isg.lex.coordinate-offset-model")
 @settings(max_examples=60)
 @given(contours(), st.permutations(["G55", "G92 X3 Y-4", "G351 X-1", "#SCALE ON X2 Y2", "#ROTATION ON [ANGLE 40]"]))
 def test_the_order_of_selecting_has_no_influence(contour: str, order: list[str]) -> None:
