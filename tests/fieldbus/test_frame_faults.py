@@ -77,7 +77,7 @@ def swing(rig: Rig, bus: BadBus, cycles: int = CYCLES) -> float:
 
 @pytest.mark.parametrize(("loss", "cycles"), [(0.001, 1), (0.01, 2)])
 def test_lost_frames_are_made_up_for_by_the_next(loss: float, cycles: int) -> None:
-    """The master steps as ever; a drive that missed frames in a row takes the way of those cycles at once: `cycles` at the limit."""
+    """The master steps as ever; a drive that missed frames in a row goes the way of `cycles` at once."""
     with Rig() as rig:
         rig.enabled()
         bus = BadBus(rig.bus, loss=loss)
