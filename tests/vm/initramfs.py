@@ -26,7 +26,6 @@ MODULES: Final = (
     "net/9p/9pnet",
     "net/9p/9pnet_virtio",
     "fs/9p/9p",
-    "fs/overlayfs/overlay",
 )
 APPLETS: Final = (
     "sh",
@@ -41,8 +40,6 @@ APPLETS: Final = (
     "ip",
     "switch_root",
     "sync",
-    "rm",
-    "chmod",
 )
 
 

@@ -14,8 +14,6 @@ import os
 import signal
 import subprocess
 import sys
-import sysconfig
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,64 +47,6 @@ chroot /root /bin/sh /run/job > /root/run/out/console.txt 2>&1
 echo $? > /root/run/out/code
 sync
 poweroff -f
-"""
-
-
-_FULL_INIT: Final = """#!/bin/sh
-export PATH=/bin
-mount -t proc proc /proc; mount -t sysfs sys /sys; mount -t devtmpfs dev /dev
-{modules}
-P=trans=virtio,version=9p2000.L,msize=512000
-mkdir /lower /rw
-mount -t 9p -o $P,ro,cache=loose hostroot /lower || poweroff -f
-mount -t tmpfs -o mode=755 rw /rw
-mkdir /rw/upper /rw/work
-mount -t overlay -o lowerdir=/lower,upperdir=/rw/upper,workdir=/rw/work root /root || poweroff -f
-cd /root
-mkdir -p srv/vm/out srv/vm/kernels opt/tandem/bin opt/python opt/site opt/src etc/tandem var/lib/tandem
-mount -t 9p -o $P out srv/vm/out
-mount -t 9p -o $P kernels srv/vm/kernels
-mount -t 9p -o $P state var/lib/tandem
-mount --bind /lower{python} opt/python
-mount --bind /lower{site} opt/site
-mount --bind /lower{source} opt/src
-rm -rf etc/systemd/system etc/fstab var/log/journal
-mkdir -p etc/systemd/system/tandem.service.d
-echo 00112233445566778899aabbccddeeff > etc/machine-id
-cat > opt/tandem/bin/tandem <<'FILE'
-#!/bin/sh
-export PYTHONPATH=/opt/src:/opt/site LD_LIBRARY_PATH=/opt/python/lib
-exec /opt/python/bin/python3 -m runtime.cli.main "$@"
-FILE
-chmod 755 opt/tandem/bin/tandem
-cat > etc/systemd/system/tandem.service.d/emulator.conf <<'FILE'
-[Service]
-Environment=NUMBA_CPU_NAME={cpu}
-Environment=NUMBA_CPU_FEATURES=
-WatchdogSec=20
-FILE
-cat > etc/systemd/system/probe.service <<'FILE'
-[Unit]
-After=dbus.socket systemd-journald.service sysinit.target
-[Service]
-Type=oneshot
-TimeoutStartSec=infinity
-Environment=PYTHONPATH=/opt/src:/opt/site LD_LIBRARY_PATH=/opt/python/lib HOME=/run PYTHONDONTWRITEBYTECODE=1
-Environment=NUMBA_CACHE_DIR=/srv/vm/kernels NUMBA_CPU_NAME={cpu} NUMBA_CPU_FEATURES= MPLCONFIGDIR=/run
-WorkingDirectory=/opt/src
-ExecStart=/opt/python/bin/python3 -m tests.vm.guest.service /srv/vm/out {phase}
-ExecStopPost=/bin/sh -c 'echo $EXIT_STATUS > /srv/vm/out/code; sync; systemctl poweroff --force --force'
-StandardOutput=append:/srv/vm/out/console.txt
-StandardError=append:/srv/vm/out/console.txt
-FILE
-cat > etc/systemd/system/probe.target <<'FILE'
-[Unit]
-Requires=sysinit.target dbus.socket
-Wants=probe.service
-FILE
-umount /proc /sys
-mount --move /dev /root/dev
-exec switch_root /root /lib/systemd/systemd
 """
 
 
@@ -147,40 +87,6 @@ def run_quick(module: str, arguments: Sequence[str], folder: Path, limit: float)
     return result_of(folder)
 
 
-def run_service(phase: str, folder: Path, state: Path, limit: float) -> GuestRun:
-    """Boot the host's own systemd with the service installed, and run `tests.vm.guest.service FOLDER phase` in it.
-
-    `state` (/var/lib/tandem) outlives the machine, which is killed when the guest asks for it (the file `kill-me`).
-    Raises parts.UnavailableError.
-    """
-    parts.require_tools()
-    if not Path("/lib/systemd/systemd").exists():
-        raise parts.UnavailableError("not installed: systemd (apt install systemd)")
-    kernel = parts.kernel()
-    kernels = kernel_cache()
-    places = {
-        "python": sys.base_prefix,
-        "site": sysconfig.get_paths()["purelib"],
-        "source": str(PROJECT),
-        "cpu": GENERIC["NUMBA_CPU_NAME"],
-        "phase": phase,
-    }
-    for old in ("code", "console.txt", "kill-me"):
-        (folder / old).unlink(missing_ok=True)
-    script = _FULL_INIT.format(modules=initramfs.load_modules(), **places)
-    initramfs.write(folder / "initramfs", kernel, parts.busybox(), script)
-    shares = [
-        share("hostroot", Path("/"), readonly=True),
-        share("out", folder),
-        share("kernels", kernels),
-        share("state", state, security="mapped-xattr"),
-    ]
-    command = [*base_command(kernel, folder), *(word for words in shares for word in words)]
-    command[command.index("-append") + 1] += " systemd.unit=probe.target systemd.mask=systemd-networkd.service"
-    start_and_wait(command, limit, folder / "kill-me")
-    return result_of(folder)
-
-
 def kernel_cache() -> Path:
     """A folder in which every kernel is compiled, and every module of the runtime, for any processor."""
     folder = parts.cache_folder() / "kernels"
@@ -204,21 +110,19 @@ def base_command(kernel: parts.Kernel, folder: Path) -> list[str]:
     ]  # fmt: skip
 
 
-def share(tag: str, path: Path, *, readonly: bool = False, security: str = "none") -> list[str]:
-    """A folder of the host in the guest; `security` as QEMU has it: mapped-xattr lets the guest change owners."""
-    options = f"local,path={path},mount_tag={tag},security_model={security},multidevs=remap"
+def share(tag: str, path: Path, *, readonly: bool = False) -> list[str]:
+    """A folder of the host in the guest."""
+    options = f"local,path={path},mount_tag={tag},security_model=none,multidevs=remap"
     return ["-virtfs", options + (",readonly=on" if readonly else "")]
 
 
-def start_and_wait(command: list[str], limit: float, killer: Path | None = None) -> None:
-    """Until the machine switches itself off, the limit (s) is over, or the file `killer` appears: then the plug is pulled."""
+def start_and_wait(command: list[str], limit: float) -> None:
+    """Until the machine switches itself off, or the limit (s) is over."""
     with subprocess.Popen(command, stdin=subprocess.DEVNULL) as process:
-        end = time.monotonic() + limit
-        while process.poll() is None:
-            if time.monotonic() > end or (killer is not None and killer.exists()):
-                process.send_signal(signal.SIGKILL)
-                break
-            time.sleep(0.2)
+        try:
+            process.wait(limit)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGKILL)
 
 
 def result_of(folder: Path) -> GuestRun:

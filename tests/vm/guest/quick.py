@@ -84,7 +84,7 @@ def _scenes(machine: GuestMachine, folder: Path, seen: dict[str, Any]) -> None:
     program.write_text(PROGRAM)
     long_program.write_text(LONG_PROGRAM)
     machine.start()
-    machine.wait_for("running", machine.attached, 400.0)
+    machine.wait_for("running", machine.attached, 240.0)
     machine.wait_for("enabled", lambda: all(machine.enabled()) and bool(machine.hli.platform.plc_running_r))
 
     seen["milling"] = scene = {"refused": machine.order_start(program)}
