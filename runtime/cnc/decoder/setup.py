@@ -12,6 +12,14 @@ from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
 from runtime.config.channel.parameters import PathKind
+from runtime.config.channel.synchronisation import (
+    SYNCH_FLAGS,
+    SYNCH_TYPES,
+    SYNCH_VALUES,
+    SynchCountError,
+    SynchNameError,
+    synch_names,
+)
 from runtime.config.external import ExternalLayout
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
@@ -23,30 +31,7 @@ CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
 CYCLE_MEMORY = 8000  # bytes for V.CYC without P-CHAN-00418 (line 1313)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
 
-_FLAGS = int(Synch.PLC_INFO)
-_SUPPORTED = (Synch.NO_SYNCH, Synch.MOS, Synch.MVS_SVS, Synch.MVS_SNS, Synch.MNS_SNS)
-# All types of P-CHAN-00041 (channel parameters line 1838), also those that are still to come.
-_KNOWN: dict[str, int] = {
-    "NOT_VALID": -1,
-    "NO_SYNCH": 0x0,
-    "MOS": 0x1,
-    "MVS_SVS": 0x2,
-    "MVS_SNS": 0x4,
-    "MNS_SNS": 0x8,
-    "MNE_SNS": 0x20,
-    "MVS_SLM": 0x4000,
-    "MVS_SLP": 0x8000,
-    "PLC_INFO": 0x20000,
-    "MOS_TS": 0x40000,
-    "MEP_MOS": 0x100000,
-    "MET_MOS": 0x200000,
-    "BWD_SYNCH": 0x400000,
-    "FWD_SYNCH": 0x800000,
-    "MEP_SVS": 0x1000000,
-    "MET_SVS": 0x2000000,
-    "FAW_SYNCH": 0x10000000,
-}
-_NOT_VALID_VALUES = (-1, 0x80000000, 0xFFFFFFFF)
+_SUPPORTED = (*SYNCH_TYPES, *SYNCH_FLAGS)
 
 
 class DecoderSetupError(TandemError):
@@ -58,37 +43,25 @@ def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
 
     Exactly one type is allowed, PLC_INFO beside it. DecoderSetupError names `parameter`.
     """
-    value = 0
-    parts = [part.strip() for part in text.split("|")]
-    for part in parts:
-        if part.upper() in _KNOWN:
-            number = _KNOWN[part.upper()]
-        else:
-            try:
-                number = int(part, 0)
-            except ValueError:
-                raise DecoderSetupError(
-                    catalogue.SYNCH_UNKNOWN, Place(), parameter=parameter, text=text, known=", ".join(_KNOWN)
-                ) from None
-        if number in _NOT_VALID_VALUES:
-            if len(parts) > 1:
-                break
-            return Synch.NOT_VALID
-        if number < 0:
-            break
-        value |= number
-    else:
-        known = 0
-        for bits in _KNOWN.values():
-            known |= max(bits, 0)
-        if value & ~known:
-            raise DecoderSetupError(
-                catalogue.SYNCH_UNKNOWN, Place(), parameter=parameter, text=text, known=", ".join(_KNOWN)
-            )
-        if value & ~_FLAGS in [int(synch) for synch in _SUPPORTED]:
-            return Synch(value)
-    supported = ", ".join(str(synch.name) for synch in (*_SUPPORTED, Synch.PLC_INFO))
-    raise DecoderSetupError(catalogue.SYNCH_UNSUPPORTED, Place(), parameter=parameter, text=text, supported=supported)
+    try:
+        names = synch_names(text)
+    except SynchNameError:
+        raise DecoderSetupError(
+            catalogue.SYNCH_UNKNOWN, Place(), parameter=parameter, text=text, known=", ".join(SYNCH_VALUES)
+        ) from None
+    except SynchCountError:
+        names = ()
+    if not names or any(name not in _SUPPORTED for name in names) or ("NOT_VALID" in names and len(names) > 1):
+        supported = ", ".join(_SUPPORTED)
+        raise DecoderSetupError(
+            catalogue.SYNCH_UNSUPPORTED, Place(), parameter=parameter, text=text, supported=supported
+        )
+    if "NOT_VALID" in names:
+        return Synch.NOT_VALID
+    synch = Synch.NO_SYNCH
+    for name in names:
+        synch |= Synch[name]
+    return synch
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ import ast
 from collections.abc import Sequence
 from dataclasses import replace
 
+import runtime.cnc.language.isg.string_functions  # noqa: F401 - registers them
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.functions import BIT_MAX, FUNCTIONS, UNSUPPORTED, divide, power
 from runtime.cnc.language.isg.words import Expression, ValueKind

@@ -43,17 +43,16 @@ UNSUPPORTED = {
     "BLANK_VALUE_OF_KEY": "there are no blanks of a scene (#SCENE ADD)",
 }
 Call = TypeVar("Call", bound=Callable[..., float | str])
-_NUMBER, _STRING, _ANY = ValueKind.NUMBER, ValueKind.STRING, ValueKind.ANY
 MANY = 1000  # arguments of a function that takes any number of them
 
 
-def _function(
+def function(
     name: str,
     spec: str,
     arguments: int = 1,
     *,
-    takes: tuple[ValueKind, ...] = (_NUMBER,),
-    gives: ValueKind = _NUMBER,
+    takes: tuple[ValueKind, ...] = (ValueKind.NUMBER,),
+    gives: ValueKind = ValueKind.NUMBER,
     least: int | None = None,
 ) -> Callable[[Call], Call]:
     """Register a function with `arguments` arguments, the last of which may be left out down to `least`."""
@@ -217,17 +216,17 @@ _ROUNDING = "isg.lex.rounding-functions"
 _TRIGONOMETRY = "isg.lex.trigonometry"
 
 
-@_function("ABS", _NUMERIC)
+@function("ABS", _NUMERIC)
 def absolute(x: float) -> float:
     return abs(x)
 
 
-@_function("SQR", _NUMERIC)
+@function("SQR", _NUMERIC)
 def square(x: float) -> float:
     return _in_range("SQR", lambda: x * x)
 
 
-@_function("SQRT", _NUMERIC)
+@function("SQRT", _NUMERIC)
 def square_root(x: float) -> float:
     """The manual asks for arguments above 0 (line 1458); the root of 0 is 0 and breaks nothing, so 0 is allowed."""
     if not x >= 0:
@@ -235,77 +234,77 @@ def square_root(x: float) -> float:
     return math.sqrt(x)
 
 
-@_function("EXP", _NUMERIC)
+@function("EXP", _NUMERIC)
 def exponential(x: float) -> float:
     return _in_range("EXP", lambda: math.exp(x))
 
 
-@_function("LN", _NUMERIC)
+@function("LN", _NUMERIC)
 def natural_logarithm(x: float) -> float:
     if not x > 0:
         raise CalculationError(catalogue.DOMAIN, "LN", value=x)
     return math.log(x)
 
 
-@_function("DEXP", _NUMERIC)
+@function("DEXP", _NUMERIC)
 def power_of_ten(x: float) -> float:
     return _in_range("DEXP", lambda: math.pow(10.0, x))
 
 
-@_function("LOG", _NUMERIC)
+@function("LOG", _NUMERIC)
 def common_logarithm(x: float) -> float:
     if not x > 0:
         raise CalculationError(catalogue.DOMAIN, "LOG", value=x)
     return math.log10(x)
 
 
-@_function("INV", "isg.lex.bit-operators")
+@function("INV", "isg.lex.bit-operators")
 def bit_complement(x: float) -> float:
     return float(_bits(x, "INV") ^ BIT_MAX)
 
 
-@_function("NOT", "isg.lex.logic-operators")
+@function("NOT", "isg.lex.logic-operators")
 def logic_not(x: float) -> float:
     return float(not _truth(x, "NOT"))
 
 
-@_function("INT", _ROUNDING)
+@function("INT", _ROUNDING)
 def integer_part(x: float) -> float:
     return float(math.trunc(require_finite(x, "INT")))
 
 
-@_function("FRACT", _ROUNDING)
+@function("FRACT", _ROUNDING)
 def fraction(x: float) -> float:
     return require_finite(x, "FRACT") - math.trunc(x)
 
 
-@_function("ROUND", _ROUNDING)
+@function("ROUND", _ROUNDING)
 def nearest(x: float) -> float:
     """The nearest integer, halves upward."""
     return float(round_half_up(require_finite(x, "ROUND")))
 
 
-@_function("CEIL", _ROUNDING)
+@function("CEIL", _ROUNDING)
 def ceiling(x: float) -> float:
     return float(math.ceil(require_finite(x, "CEIL")))
 
 
-@_function("FLOOR", _ROUNDING)
+@function("FLOOR", _ROUNDING)
 def floor(x: float) -> float:
     return float(math.floor(require_finite(x, "FLOOR")))
 
 
-@_function("MIN", "isg.lex.min-max-sign", 2)
+@function("MIN", "isg.lex.min-max-sign", 2)
 def smaller(x: float, y: float) -> float:
     return min(x, y)
 
 
-@_function("MAX", "isg.lex.min-max-sign", 2)
+@function("MAX", "isg.lex.min-max-sign", 2)
 def larger(x: float, y: float) -> float:
     return max(x, y)
 
 
-@_function("SIGN", "isg.lex.min-max-sign")
+@function("SIGN", "isg.lex.min-max-sign")
 def sign(x: float) -> float:
     return float((x > 0) - (x < 0))
 
@@ -322,19 +321,19 @@ def round_half_up(x: float) -> int:
 _SINE_OF_QUARTERS = (0.0, 1.0, 0.0, -1.0)
 
 
-@_function("SIN", _TRIGONOMETRY)
+@function("SIN", _TRIGONOMETRY)
 def sine(x: float) -> float:
     quarters, rest = divmod(math.fmod(require_finite(x, "SIN"), 360.0), 90.0)
     return _SINE_OF_QUARTERS[int(quarters) % 4] if rest == 0 else math.sin(math.radians(x))
 
 
-@_function("COS", _TRIGONOMETRY)
+@function("COS", _TRIGONOMETRY)
 def cosine(x: float) -> float:
     quarters, rest = divmod(math.fmod(require_finite(x, "COS"), 360.0), 90.0)
     return _SINE_OF_QUARTERS[(int(quarters) + 1) % 4] if rest == 0 else math.cos(math.radians(x))
 
 
-@_function("TAN", _TRIGONOMETRY)
+@function("TAN", _TRIGONOMETRY)
 def tangent(x: float) -> float:
     denominator = cosine(x)
     if denominator == 0:
@@ -342,7 +341,7 @@ def tangent(x: float) -> float:
     return sine(x) / denominator
 
 
-@_function("COT", _TRIGONOMETRY)
+@function("COT", _TRIGONOMETRY)
 def cotangent(x: float) -> float:
     denominator = sine(x)
     if denominator == 0:
@@ -350,173 +349,32 @@ def cotangent(x: float) -> float:
     return cosine(x) / denominator
 
 
-@_function("ASIN", _TRIGONOMETRY)
+@function("ASIN", _TRIGONOMETRY)
 def arc_sine(x: float) -> float:
     if not -1 <= x <= 1:
         raise CalculationError(catalogue.DOMAIN, "ASIN", value=x)
     return math.degrees(math.asin(x))
 
 
-@_function("ACOS", _TRIGONOMETRY)
+@function("ACOS", _TRIGONOMETRY)
 def arc_cosine(x: float) -> float:
     if not -1 <= x <= 1:
         raise CalculationError(catalogue.DOMAIN, "ACOS", value=x)
     return math.degrees(math.acos(x))
 
 
-@_function("ATAN", _TRIGONOMETRY)
+@function("ATAN", _TRIGONOMETRY)
 def arc_tangent(x: float) -> float:
     return math.degrees(math.atan(x))
 
 
-@_function("ATAN2", _TRIGONOMETRY, 2)
+@function("ATAN2", _TRIGONOMETRY, 2)
 def arc_tangent_of_point(y: float, x: float) -> float:
     """Direction of the point (x, y); 0 for the origin (line 1561)."""
     return math.degrees(math.atan2(y, x)) if x != 0 or y != 0 else 0.0
 
 
-@_function("ACOT", _TRIGONOMETRY)
+@function("ACOT", _TRIGONOMETRY)
 def arc_cotangent(x: float) -> float:
     """Between 0 and 180 degrees, so that it is continuous."""
     return 90.0 - math.degrees(math.atan(x))
-
-
-# -- strings: positions count from 1, counts stand before positions (lines 1637–1753) ------------------------------
-
-STRING_LIMIT = 10_000  # characters; no manual number, it keeps a loop from eating the memory
-
-
-def _size(value: float, name: str) -> int:
-    """A count or position: a whole number from 0 on, halves rounded upward."""
-    if not -0.5 <= value <= STRING_LIMIT:
-        raise CalculationError(catalogue.STRING_POSITION, name, value=value)
-    return round_half_up(value)
-
-
-def _at(value: float, name: str, length: int) -> int:
-    """A position in a string of `length` characters, counted from 1."""
-    position = _size(value, name)
-    if not 1 <= position <= length:
-        raise CalculationError(catalogue.STRING_POSITION, name, value=value)
-    return position
-
-
-def _limited(text: str, name: str) -> str:
-    if len(text) > STRING_LIMIT:
-        raise CalculationError(catalogue.STRING_TOO_LONG, name, limit=STRING_LIMIT)
-    return text
-
-
-_SUBSTRINGS = "isg.lex.string-substrings"
-_EDIT = "isg.lex.string-edit"
-_CONVERSION = "isg.lex.string-conversion"
-
-
-@_function("LEFT", _SUBSTRINGS, 2, takes=(_STRING, _NUMBER), gives=_STRING)
-def left_part(text: str, count: float) -> str:
-    return text[: _size(count, "LEFT")]
-
-
-@_function("MID", _SUBSTRINGS, 3, takes=(_STRING, _NUMBER, _NUMBER), gives=_STRING)
-def middle_part(text: str, count: float, position: float) -> str:
-    begin = max(_size(position, "MID"), 1) - 1
-    return text[begin : begin + _size(count, "MID")]
-
-
-@_function("RIGHT", _SUBSTRINGS, 2, takes=(_STRING, _NUMBER), gives=_STRING)
-def right_part(text: str, count: float) -> str:
-    return text[max(0, len(text) - _size(count, "RIGHT")) :]
-
-
-@_function("LEN", _SUBSTRINGS, takes=(_STRING,))
-def text_length(text: str) -> float:
-    return float(len(text))
-
-
-@_function("ORD", "isg.lex.string-ord", 2, takes=(_STRING, _NUMBER), least=1)
-def character_value(text: str, position: float = 1.0) -> float:
-    if not text:
-        return 0.0
-    if not 1 <= round_half_up(position) <= len(text):
-        raise CalculationError(catalogue.ORD_POSITION, "ORD", value=position)
-    return float(ord(text[round_half_up(position) - 1]))
-
-
-@_function("FIND", _EDIT, 2, takes=(_STRING,))
-def text_position(text: str, wanted: str) -> float:
-    return float(text.find(wanted) + 1)
-
-
-@_function("DELETE", _EDIT, 3, takes=(_STRING, _NUMBER, _NUMBER), gives=_STRING)
-def text_without(text: str, count: float, position: float) -> str:
-    begin = _at(position, "DELETE", len(text)) - 1
-    return text[:begin] + text[begin + _size(count, "DELETE") :]
-
-
-@_function("INSERT", _EDIT, 3, takes=(_STRING, _STRING, _NUMBER), gives=_STRING)
-def text_inserted(text: str, inserted: str, position: float) -> str:
-    """`inserted` behind the character at `position`; 0 puts it in front."""
-    behind = _size(position, "INSERT")
-    if behind > len(text):
-        raise CalculationError(catalogue.STRING_POSITION, "INSERT", value=position)
-    return _limited(text[:behind] + inserted + text[behind:], "INSERT")
-
-
-@_function("REPLACE", _EDIT, 4, takes=(_STRING, _STRING, _NUMBER, _NUMBER), gives=_STRING)
-def text_replaced(text: str, inserted: str, count: float, position: float) -> str:
-    begin = _at(position, "REPLACE", len(text)) - 1
-    return _limited(text[:begin] + inserted + text[begin + _size(count, "REPLACE") :], "REPLACE")
-
-
-@_function("INT_TO_STR", _CONVERSION, gives=_STRING)
-def integer_text(value: float) -> str:
-    return str(math.trunc(require_finite(value, "INT_TO_STR")))
-
-
-@_function("REAL_TO_STR", _CONVERSION, gives=_STRING)
-def real_text(value: float) -> str:
-    """Up to six decimals, at least one: the manual gives no number of them."""
-    text = f"{require_finite(value, 'REAL_TO_STR'):.6f}".rstrip("0")
-    return text + "0" if text.endswith(".") else text
-
-
-def _parsed(text: str, name: str) -> float:
-    try:
-        value = float(text.strip())
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise CalculationError(catalogue.STRING_NO_NUMBER, name, text=text)
-    return value
-
-
-@_function("STR_TO_INT", _CONVERSION, takes=(_STRING,))
-def text_integer(text: str) -> float:
-    return float(math.trunc(_parsed(text, "STR_TO_INT")))
-
-
-@_function("STR_TO_REAL", _CONVERSION, takes=(_STRING,))
-def text_real(text: str) -> float:
-    return _parsed(text, "STR_TO_REAL")
-
-
-@_function("FSTRING", "isg.lex.fstring", MANY, takes=(_ANY,), gives=_STRING, least=1)
-def composed(*parts: float | str) -> str:
-    """Numbers without decimals where they are whole, else as REAL_TO_STR writes them."""
-    texts = [part if isinstance(part, str) else plain_text(as_number(part, "FSTRING")) for part in parts]
-    return _limited("".join(texts), "FSTRING")
-
-
-def plain_text(value: float) -> str:
-    """A number as people write it."""
-    return str(int(value)) if value.is_integer() else real_text(value)
-
-
-@_function("IS_STRING", "isg.sub.cycle-parameters", takes=(_ANY,))
-def is_string(value: object) -> float:
-    return float(isinstance(value, str))
-
-
-@_function("IS_NUMBER", "isg.sub.cycle-parameters", takes=(_ANY,))
-def is_number(value: object) -> float:
-    return float(isinstance(value, float))
