@@ -8,6 +8,7 @@ import pytest
 
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from tests.cnc.decoder.programs import SETUP, decode
+from tests.cnc.decoder.scripted_outside import Machine
 from tests.cnc.decoder.test_variables import refused, values
 
 # -- cycles --------------------------------------------------------------------------------------------------------
@@ -99,3 +100,42 @@ def test_a_rotation_goes_on_from_the_one_before() -> None:
     assert run.ends[0] == pytest.approx([0, 10, 0], abs=1e-9)
     assert run.parameters == {1: 1, 2: 90}
     assert refused("V.G.ROT_ANGLE = 5") is C.VARIABLE_READ_ONLY
+
+
+# -- state of the channel ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.spec("isg.var.g-channel-state")
+def test_the_channel_tells_its_state() -> None:
+    setup = replace(SETUP, channel_number=3)
+    program = (
+        "P1=V.G.CNC_CHANNEL P2=V.G.EXECUTION_MODE P3=V.G.ACTIVE_MODE P4=V.G.TOOL_COMP P5=V.G.AKT_PLATZ\n"
+        "P6=V.G.PROG_ABS P7=V.G.ACT_PLANE\nG91 G18\nP8=V.G.PROG_ABS P9=V.G.ACT_PLANE\n"
+        "G90 G19\nP10=V.G.PROG_ABS P11=V.G.ACT_PLANE"
+    )
+    assert values(program, setup=setup) == {1: 3, 2: 0, 3: 2, 4: 0, 5: 0, 6: 1, 7: 17, 8: 0, 9: 18, 10: 1, 11: 19}
+
+
+@pytest.mark.spec("isg.var.g-channel-state")
+def test_counters_of_the_channel() -> None:
+    """The cycle is the present one at each access; a timer keeps what its last READ has found."""
+    machine = Machine()
+    machine.counts = {127: 1500}
+    program = (
+        "P1=V.G.TIMER[127]\n#TIMER READ [ID=127]\nP2=V.G.TIMER[127] P3=V.G.TIMER[0]\nP4=V.G.IPO_COUNT\nP5=V.G.IPO_COUNT"
+    )
+    assert values(program, outside=machine) == {1: 0, 2: 1500, 3: 0, 4: 4712, 5: 4713}
+    assert values("P1=V.G.IPO_COUNT") == {1: 0}  # no machine, no cycle
+    assert refused("P1=V.G.TIMER[128]") is C.SET_INDEX
+
+
+@pytest.mark.spec("isg.var.g-channel-state")
+@pytest.mark.parametrize(
+    "name",
+    [
+        "CNC_CHANNEL", "IPO_COUNT", "EXECUTION_MODE", "ACTIVE_MODE", "TOOL_COMP", "AKT_PLATZ", "TIMER[1]", "PROG_ABS",
+        "ACT_PLANE",
+    ],
+)  # fmt: skip
+def test_the_state_is_only_read(name: str) -> None:
+    assert refused(f"V.G.{name} = 1") is C.VARIABLE_READ_ONLY

@@ -102,6 +102,26 @@ def channel_number(x: Execution) -> float:
     return float(x.setup.channel_number)
 
 
+@variable("V.G.IPO_COUNT", _STATE, "cycles of the interpolator since the start of the control")
+def interpolator_cycles(x: Execution) -> float:
+    return float(x.outside.cycle())
+
+
+@variable("V.G.EXECUTION_MODE", _STATE, "0: the program is executed; no other purpose can be ordered")
+def execution_mode(x: Execution) -> float:
+    return 0.0
+
+
+@variable("V.G.ACTIVE_MODE", _STATE, "mode that the program was started in: 2 automatic")
+def operating_mode(x: Execution) -> float:
+    return float(x.outside.operating_mode())
+
+
+@variable("V.G.AKT_PLATZ", _STATE, "0: no clamp position is selected, this control has none")
+def clamp_position(x: Execution) -> float:
+    return 0.0
+
+
 @variable("V.G.PROG_ABS", _STATE, "1 with G90, 0 with G91")
 def absolute_dimension(x: Execution) -> float:
     return float(not x.modal.incremental)

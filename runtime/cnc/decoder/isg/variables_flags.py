@@ -69,5 +69,11 @@ def _absent(name: str, statements: tuple[str, ...], g: tuple[int, ...]) -> None:
         return 0.0
 
 
+@variable("V.G.TOOL_COMP", "isg.var.g-channel-state", "type of the active tool compensation: 0, there is none")
+def tool_compensation(x: Execution) -> float:
+    require_absent("V.G.TOOL_COMP", ("RTCP", "TLC", "TRAFO"), (41, 42))
+    return 0.0
+
+
 for _name, (_statements, _g) in ABSENT.items():
     _absent(_name, _statements, _g)
