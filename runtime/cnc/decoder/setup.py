@@ -155,6 +155,7 @@ class DecoderSetup:
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
+    measuring_type: int = 1  # P-CHAN-00057
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
     limits: Limits = Limits()
@@ -184,6 +185,7 @@ class DecoderSetup:
         return cls(
             axes=described.axes,
             channel_number=channel + 1,
+            measuring_type=parameters.messtyp,
             log_axes=tuple(axis.log_axis for axis in axes),
             log_spindles=tuple(
                 machine.axes[machine.axis_index(spindle.bezeichnung)].log_axis for spindle in parameters.spindel

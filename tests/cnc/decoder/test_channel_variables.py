@@ -139,3 +139,81 @@ def test_counters_of_the_channel() -> None:
 )  # fmt: skip
 def test_the_state_is_only_read(name: str) -> None:
     assert refused(f"V.G.{name} = 1") is C.VARIABLE_READ_ONLY
+
+
+# -- functions that are active -------------------------------------------------------------------------------------
+
+
+@pytest.mark.spec("isg.var.g-active-flags")
+@pytest.mark.parametrize(
+    ("flag", "on", "off"),
+    [
+        ("MIRROR_ACTIVE", "G21", "G20"),
+        ("MIRROR_ACTIVE", "G22", "G20"),
+        ("MIRROR_ACTIVE", "G23", "G20"),
+        ("MIRROR_ACTIVE", "G351 X-1", "G351 X1"),
+        ("CIRCLE_CP_ABS", "G161", "G162"),
+        ("CIRCLE_CPC_ACTIVE", "G165", "G164"),
+        ("FILE_EXIST", '#FILE EXIST [PATH="here.nc"]', '#FILE EXIST [PATH="there.nc"]'),
+    ],
+)
+def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
+    program = f"{on}\nP1=V.G.{flag}\n{off}\nP2=V.G.{flag}\n{on}\nP3=V.G.{flag}"
+    assert values(program, files={"here.nc": "M17"}) == {1: 1, 2: 0, 3: 1}
+
+
+@pytest.mark.spec("isg.var.g-active-flags", "isg.var.g-link-rotation")
+@pytest.mark.parametrize(
+    ("flag", "switches"),
+    [
+        ("TRAFO_ACTIVE", ("#TRAFO ON",)),
+        ("MCS_ACTIVE", ("#MCS ON",)),
+        ("HSC_ACTIVE", ("#HSC ON", "#SPLINE ON", "#SET SPLINE ON", "G151")),
+        ("HSC_SURFACE_ACTIVE", ("#HSC [SURFACE]",)),
+        ("CONT_MODE_ACTIVE", ("G261", "G61 X1")),
+        ("TRC_ACTIVE", ("G41", "G42")),
+        ("OTC_ACTIVE", ("#OTC ON",)),
+        ("CAXTRACK_ACTIVE", ("#CAXTRACK ON",)),
+        ("LIFT_ACTIVE", ("G00 Z[LIFT POS=25]",)),
+        ("SEGMENTATION_ACTIVE", ("#SEGMENTATION ON ALL",)),
+        ("STROKE_DEF_ACTIVE", ("#STROKE DEF BEGIN",)),
+        ("PUNCH_ACTIVE", ("#PUNCH ON [LENGTH 5]",)),
+        ("NIBBLE_ACTIVE", ("#NIBBLE ON [LENGTH 5]",)),
+        ("EDM_ACTIVE", ("#EDM ON",)),
+        ("FRICTION_ACTIVE", ("#FRICTION ON [X]",)),
+        ("VECTOR_OFFSET_ACTIVE", ("#VECTOR OFFSET ON",)),
+        ("DIAMETER_PROG_ACTIVE", ("G51",)),
+        ("DIAMETER_PROG.ZERO_OFFSET", ("G51",)),
+        ("GEAR_LINK_ACTIVE", ("#GEAR LINK ON [TARGETNR=5 AXNR1=6]",)),
+        ("SINGUL_AVOID_ACTIVE", ("#SINGULARITY AVOIDANCE ON",)),
+        ("BLOCK_SEARCH_ACTIVE", ()),
+        ("AX_LINK.NR", ("#AX LINK ON [1]", "#AX LINK ON")),
+        ("AX_LINK.ACTIVE", ("#ENABLE AX LINK [1]", "#ENABLE AX LINK")),
+        ("AX_LINK_GROUP[0].ACTIVE", ()),
+        ("AX_LINK_GROUP[4].ACTIVE", ()),
+    ],
+)
+def test_what_cannot_be_switched_on_is_not_active(flag: str, switches: tuple[str, ...]) -> None:
+    assert values(f"P1 = V.G.{flag}") == {1: 0}
+    for switch in switches:
+        assert refused(f"{switch}\nP1 = V.G.{flag}") in (C.STATEMENT_UNSUPPORTED, C.G_UNSUPPORTED, C.NOT_SUPPORTED)
+    assert refused(f"V.G.{flag} = 1") is C.VARIABLE_READ_ONLY
+
+
+@pytest.mark.spec("isg.var.g-active-flags")
+def test_the_measuring_type_is_the_configured_one() -> None:
+    assert values("P1 = V.G.MEAS_TYPE") == {1: 1}
+    assert values("P1 = V.G.MEAS_TYPE", setup=replace(SETUP, measuring_type=3)) == {1: 3}
+    assert refused("#MEAS MODE [3]\nP1 = V.G.MEAS_TYPE") is C.STATEMENT_UNSUPPORTED
+
+
+@pytest.mark.spec("isg.var.g-link-rotation")
+def test_there_are_five_groups_of_couplings() -> None:
+    for group in (-1, 5):
+        assert refused(f"P1 = V.G.AX_LINK_GROUP[{group}].ACTIVE") is C.SET_INDEX
+
+
+@pytest.mark.spec("isg.var.g-link-rotation")
+def test_rotation_is_told_beside_couplings() -> None:
+    program = f"#ROTATION ON [ANGLE=-15.5 CENTER1=3 CENTER2=4]\n{ROTATION}\n#ROTATION OFF\nP5=V.G.ROT_ACTIVE"
+    assert values(program) == {1: 1, 2: -15.5, 3: 3, 4: 4, 5: 0}

@@ -686,7 +686,9 @@ def test_flags_of_functions_that_are_there() -> None:
 def test_a_function_that_is_not_there_is_not_active(name: str) -> None:
     """Its flag is 0; once something switches it on, the flag has to be made true: until then it is refused."""
     statements, g = ABSENT[name]
-    there = any(number in G_FUNCTIONS for number in g) or any(key.split()[0] in statements for key in STATEMENTS)
+    there = any(number in G_FUNCTIONS for number in g) or any(
+        f"{key} ".startswith(f"{beginning} ") for beginning in statements for key in STATEMENTS
+    )
     if there:
         assert refused(f"P1 = V.G.{name}") is C.VARIABLE_UNSUPPORTED
     else:
