@@ -271,10 +271,6 @@ class DecoderSetup:
         offset = self.zero_offsets.get(number)
         return np.zeros(len(self.axes)) if offset is None else offset
 
-    def inch_factors(self, inch: bool) -> Floats:
-        """What programmed coordinates are multiplied with, shape (n,)."""
-        return np.array([25.4 if inch and linear else 1.0 for linear in self.linear])
-
 
 def _table(texts: Mapping[int, str], name: str) -> dict[int, Synch]:
     table = {number: parse_synch(text, f"{name}[{number}]") for number, text in texts.items()}

@@ -145,10 +145,9 @@ def tool(x: Execution) -> float:
 @variable("V.G.RANDOM", _VERSION, "a number from 0 to 1, another one at each access")
 def random(x: Execution) -> float:
     """The same row of numbers in every run of a program, so that runs in virtual time can be compared."""
-    source = x.state.get("random")
-    if not isinstance(source, Random):
-        source = x.state["random"] = Random(x.frames[0].unit.name)
-    return source.random()
+    if x.random is None:
+        x.random = Random(x.frames[0].unit.name)
+    return x.random.random()
 
 
 # ---------------------------------------------------------------------------------------------------- version
