@@ -24,7 +24,7 @@ from runtime.cnc.decoder.feed_word import FeedChange, enter_feed
 from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
-from runtime.cnc.decoder.modal import PLANE_AXES, FeedMode, ModalState, Plane
+from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Plane
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
@@ -287,19 +287,19 @@ class Execution:
 
     def length(self, value: float) -> float:
         """A programmed length in mm (inch converted)."""
-        return value * 25.4 if self.modal.inch else value
+        return value * INCH if self.modal.inch else value
 
     def axis_value(self, axis: int, value: float) -> float:
         """A programmed axis value in mm or degrees."""
-        return value * 25.4 if self.modal.inch and self.setup.linear[axis] else value
+        return value * INCH if self.modal.inch and self.setup.linear[axis] else value
 
     def shown(self, axis: int, value: float) -> float:
         """A value of an axis as the program sees it: inch where inch is selected."""
-        return value / 25.4 if self.modal.inch and self.setup.linear[axis] else value
+        return value / INCH if self.modal.inch and self.setup.linear[axis] else value
 
     def shown_length(self, value: float) -> float:
         """A length as the program sees it."""
-        return value / 25.4 if self.modal.inch else value
+        return value / INCH if self.modal.inch else value
 
     def take_feed(self) -> None:
         """Enter the F word of the block in work now; it is not entered a second time."""

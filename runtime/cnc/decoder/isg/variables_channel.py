@@ -7,7 +7,7 @@ from random import Random
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import Reader, variable
 from runtime.cnc.decoder.memory import TIMERS
-from runtime.cnc.decoder.modal import FeedMode
+from runtime.cnc.decoder.modal import INCH, FeedMode
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.diagnostics.catalogue import language as catalogue
@@ -16,7 +16,6 @@ from runtime.diagnostics.version import version
 _BLOCK = "isg.var.g-block-feed-circle"
 _STATE = "isg.var.g-channel-state"
 _VERSION = "isg.var.g-version-limits-signal"
-_INCH = 25.4  # mm
 
 
 def index_between(value: float, first: int, last: int, name: str) -> int:
@@ -56,7 +55,7 @@ def feed(x: Execution) -> float:
     value = modal.feed
     if modal.feed_mode is FeedMode.PER_MINUTE:
         value /= x.setup.feed_factor
-    return value / _INCH if modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION) else value
+    return value / INCH if modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION) else value
 
 
 @variable("V.G.FEEDRATE_MODE", _BLOCK, "G number of the meaning of F: 93, 94, 95 or 194")

@@ -30,7 +30,6 @@ class Group(Enum):
     CORNER = "chamfer or rounding"
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
-    EXACT_STOP = "exact stop"
     NONE = ""  # excludes nothing
 
 
