@@ -30,6 +30,7 @@ class Group(Enum):
     CORNER = "chamfer or rounding"
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
+    EXACT_STOP = "exact stop"
     NONE = ""  # excludes nothing
 
 
