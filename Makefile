@@ -1,5 +1,6 @@
 # make run     the demo machine mills a plate        make test    every check and test
 # make bench   measures                              make lock    new versions of the dependencies
+# make test-vm                         the runtime on a PREEMPT_RT kernel with SocketCAN, in QEMU (skipped, with the reason, where that cannot be)
 # make fuzz SECONDS=300                looks for bytes that crash the decoder
 # make coverage-spec SPEC=FOLDER       which entries of a catalogue have passing tests; CORE=1,2 GROUPS=1 RESULTS=FILE
 #
@@ -9,7 +10,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .ONESHELL:
 .DEFAULT_GOAL := help
-.PHONY: help install run test check pytest coverage-spec fuzz bench lock clean
+.PHONY: help install run test check pytest test-vm coverage-spec fuzz bench lock clean
 
 PYTHON ?=
 PYTEST_ARGS ?=
@@ -26,7 +27,7 @@ FINGERPRINT := $(shell { cat pyproject.toml requirements.lock; pwd; } | sha256su
 INSTALLED := .venv/installed-$(FINGERPRINT)
 
 help:
-	@sed -n 's/^# //p' Makefile | head -5
+	@sed -n 's/^# //p' Makefile | head -6
 
 install: $(INSTALLED)
 
@@ -69,19 +70,23 @@ pytest: $(INSTALLED)
 	@echo "== pytest, kernels uncompiled"
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m uncompiled $(PYTEST_ARGS)
 	echo "== pytest"
-	$(BIN)/python -m pytest --spec-results $(SPEC_RESULTS) $(PYTEST_ARGS)
+	$(BIN)/python -m pytest --spec-results=$(SPEC_RESULTS) $(PYTEST_ARGS)
 
 # Runs the tests that name entries, unless RESULTS names what an earlier run wrote (`make test` writes it too).
 coverage-spec: $(INSTALLED)
 	@if [ -z "$(SPEC)" ]; then echo "SPEC=FOLDER is missing: where the catalogue is" >&2; exit 2; fi
 	if [ -z "$(RESULTS)" ]; then
-	    $(BIN)/python -m pytest -m spec --spec-results $(SPEC_RESULTS) $(PYTEST_ARGS) || [ $$? -eq 1 ]
+	    $(BIN)/python -m pytest -m spec --spec-results=$(SPEC_RESULTS) $(PYTEST_ARGS) || [ $$? -eq 1 ]
 	fi
 	$(BIN)/python -m tests.coverage_spec "$(SPEC)" --results "$(or $(RESULTS),$(SPEC_RESULTS))" \
 	    $(if $(CORE),--core $(CORE)) $(if $(GROUPS),--groups)
 
 fuzz: $(INSTALLED)
 	@$(BIN)/python -m tests.fuzz --seconds $(SECONDS)
+
+test-vm: $(INSTALLED)
+	@echo "== virtual machine"
+	$(BIN)/python -m pytest tests/vm -rs $(PYTEST_ARGS)
 
 bench: $(INSTALLED)
 	@$(BIN)/python -m bench

@@ -41,6 +41,7 @@ class DriveEvent(NamedTuple):
     axis: int  # index into the image, -1 if no axis
     node: int  # CANopen node id, 0 if the bus itself
     code: int  # EMCY error code, SDO abort code, CiA 402 error code, or 0
+    text: str = ""  # what no code tells
 
 
 class DriveImage:

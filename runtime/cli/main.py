@@ -39,6 +39,7 @@ SUB_COMMANDS = (
     SubCommand("simulate", "runtime.cli.simulate", "Run a program in virtual time, as fast as the computer can."),
     SubCommand("run", "runtime.cli.run", "Run the machine in real time until stopped."),
     SubCommand("doctor", "runtime.cli.doctor", "Tell whether this host is fit for real time, and what to do if not."),
+    SubCommand("bus", "runtime.cli.bus", "Look at the nodes of a CANopen bus on which no machine runs."),
     SubCommand("hli", "runtime.cli.hli", "Look into the interface memory of a running machine."),
 )
 

@@ -38,6 +38,9 @@ def command(
         bool,
         typer.Option("--simulated-drives", help="Put simulated drives on the machine's bus, as the demo machine has."),
     ] = False,
+    start_limit: Annotated[
+        float, typer.Option(help="Seconds that each step of the start may take; longer on a slow computer.", min=1.0)
+    ] = 60.0,
     plot: Annotated[
         Path | None, typer.Option(help="At the end of the program draw the path of the axes into this PNG file.")
     ] = None,
@@ -65,7 +68,7 @@ def command(
         plot.open("ab").close()  # fails now, not after the program
     machine = load_machine(config)
     prepare_kernels()
-    options = RunOptions(config, name, dialect, simulated_drives or config is None)
+    options = RunOptions(config, name, dialect, simulated_drives or config is None, start_limit)
     journal = open_journal(os.environ, sys.stderr, verbose=verbose)
     session = Session(machine, options, journal)
     to_a_reader = not isinstance(journal, NativeJournal)  # the journal has events, it needs no line per second

@@ -115,6 +115,10 @@ class Drive(Model):
     product_code: Identity | None = None
     sdo: dict[str, int] = Field(default_factory=dict)  # start-up writes: "0x6085" or "0x60C2:1" -> value
     simulated: SimulatedServo = SimulatedServo()
+    optional: bool = False  # the machine starts without it, and takes it in when it comes
+    configuration: Annotated[tuple[Identity, Identity], Field(strict=False)] | None = (
+        None  # 0x1020: date and time, checked
+    )
 
 
 class Axis(Model):
@@ -182,6 +186,8 @@ class Bus(Model):
     heartbeat: Seconds = 0.1  # producer time of the master and the nodes
     heartbeat_timeout: Seconds = 0.3
     boot_timeout: Seconds = 5.0
+    sync_counter: Annotated[int, Field(ge=2, le=240)] | None = None  # SYNC counts 1 to this (object 0x1019)
+    time_stamp: Seconds | None = None  # the master sends TIME (0x100) this often
 
 
 class IoNode(Model):
@@ -192,6 +198,10 @@ class IoNode(Model):
     vendor_id: Identity | None = None
     inputs: Several[str] = ()
     outputs: Several[str] = ()
+    optional: bool = False  # the machine starts without it, and takes it in when it comes
+    configuration: Annotated[tuple[Identity, Identity], Field(strict=False)] | None = (
+        None  # 0x1020: date and time, checked
+    )
 
 
 class Fieldbus(Model):

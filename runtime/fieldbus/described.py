@@ -14,6 +14,7 @@ from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DIGITAL_BYTES
 from runtime.fieldbus import cia402, exchange
 from runtime.fieldbus.cia402 import Mode
+from runtime.fieldbus.dialogue import GUARD_TIME, LIFE_TIME_FACTOR, PRODUCER_HEARTBEAT
 from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink, IoLink, Links
@@ -66,6 +67,9 @@ def _drive_link(axis: Axis, index: int, drive: Drive) -> DriveLink:
         startup=[_startup_write(name, value, od, drive.node, owner) for name, value in drive.sdo.items()],
         layouts=layouts,
         axis=index,
+        optional=drive.optional,
+        configuration=drive.configuration,
+        guarded=_guarded(od, drive.node, owner),
         spindle=spindle,
         increments_per_unit=drive.increments_per_unit,
         mode=mode,
@@ -89,6 +93,9 @@ def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> Io
         od=od,
         startup=[],
         layouts=_layouts(exchange.io_pdos(len(io.inputs), len(io.outputs)), od, io.node, owner),
+        optional=io.optional,
+        configuration=io.configuration,
+        guarded=_guarded(od, io.node, owner),
         first_input=first_input,
         inputs=len(io.inputs),
         first_output=first_output,
@@ -151,6 +158,15 @@ def _need(od: canopen.ObjectDictionary, index: int, subindex: int, node: int, ow
         raise FieldbusError(
             catalogue.EDS_OBJECT_MISSING, node=node, owner=owner, object=error.args[0], purpose=purpose
         ) from error
+
+
+def _guarded(od: canopen.ObjectDictionary, node: int, owner: str) -> bool:
+    """Whether the node is of the time before the heartbeat. One that can be watched in neither way is refused."""
+    if PRODUCER_HEARTBEAT in od:
+        return False
+    for index in (GUARD_TIME, LIFE_TIME_FACTOR):
+        _need(od, index, 0, node, owner, "watching the node (it has no heartbeat, object 0x1017)")
+    return True
 
 
 def _startup_write(name: str, value: int, od: canopen.ObjectDictionary, node: int, owner: str) -> tuple[int, int, int]:

@@ -23,6 +23,8 @@ def problem_of(event: DriveEvent, machine: Machine) -> Problem:
 
 
 def _meaning(event: DriveEvent) -> str:
+    if event.text:
+        return event.text
     if event.error_id == catalogue.NODE_LEFT_OPERATIONAL.id:
         return nmt_state_text(event.code)
     if event.error_id == catalogue.DRIVE_DISABLED.id:

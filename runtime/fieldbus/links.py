@@ -44,12 +44,17 @@ class NodeLink:
     startup: list[tuple[int, int, int]]  # index, sub-index, value
     layouts: dict[PdoPlan, PdoLayout]  # the PDOs in use
     axis: int = -1  # index into the image, -1 for I/O
+    optional: bool = False  # may be missing at the boot
+    configuration: tuple[int, int] | None = None  # date and time that object 0x1020 must tell
+    guarded: bool = False  # has no heartbeat: it is asked for its state (node guarding)
+    toggle: int = -1  # bit 7 of its last answer, which has to change every time; -1 before the first one
     booted: bool = False
     nmt_state: int = 0
     last_heartbeat: float = 0.0  # s
     last_data: float = 0.0  # s
     lost: bool = False
     loss: DriveEvent | None = None  # how it was lost
+    last_emergency: tuple[int, float] = (0, -math.inf)  # error code, and when it was last told, s
 
     def plan(self, direction: Direction, number: int = 1) -> PdoPlan | None:
         return next((p for p in self.layouts if p.direction is direction and p.number == number), None)
@@ -58,8 +63,8 @@ class NodeLink:
         """COB-ID of each TPDO of the node → who takes its data."""
         return {}
 
-    def event(self, error_id: int, code: int = 0) -> DriveEvent:
-        return DriveEvent(error_id, self.axis, self.node, code)
+    def event(self, error_id: int, code: int = 0, text: str = "") -> DriveEvent:
+        return DriveEvent(error_id, self.axis, self.node, code, text)
 
     def _frame(self, plan: PdoPlan) -> can.Message:
         """The one message that carries this RPDO in every cycle; only its data change."""
@@ -88,6 +93,7 @@ class DriveLink(NodeLink):
     _raw_position: int = 0
     _increments: int = 0
     _cycles: int = 0  # since the last feedback
+    moved: int = 0  # increments, between the last feedback of a lost drive and its return
 
     def __post_init__(self) -> None:
         command, feedback = self.plan(Direction.RECEIVE), self.plan(Direction.TRANSMIT)
@@ -122,9 +128,10 @@ class DriveLink(NodeLink):
 
     def begin(self, status: int, raw_position: int, image: DriveImage) -> None:
         """What the drive said at boot; a fault that it already has is told like one that comes."""
+        self.moved = wrap32(raw_position - self._raw_position) if self.lost else 0
         self._raw_position = self._increments = raw_position
         self._cycles = 0
-        self.control = DriveControl()
+        self.control = DriveControl(locked=self.lost)  # whoever comes back waits until its enable was withdrawn once
         state = self.control.observe(status)
         self._publish(image, state, 0.0)
         if state in cia402.FAULT_STATES:

@@ -4,6 +4,9 @@
     write()  set-points and outputs of this cycle as RPDOs, then SYNC: all drives take them over at the same moment
              and answer with their feedback, which the next read() finds
 
+A node that is lost, or a bus that is gone, does not end the run: the node is taken into operation again, step by step between
+the set-points (runtime.fieldbus.rejoin); the bus is tried until a frame comes.
+
 Time and bus are passed in. While the master must wait (boot, stop) it calls `idle` again and again: in real time that
 sleeps a little, in virtual time it lets the simulated nodes and the clock go on.
 """
@@ -11,6 +14,8 @@ sleeps a little, in virtual time it lets the simulated nodes and the clock go on
 from __future__ import annotations
 
 import errno
+import struct
+import time
 from collections.abc import Callable
 from functools import partial
 from typing import Final
@@ -22,23 +27,28 @@ from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DIGITAL_BYTES, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
-from runtime.fieldbus.boot import OPERATIONAL, SYNC, BootSequence
+from runtime.fieldbus.boot import OPERATIONAL, BootSequence
 from runtime.fieldbus.described import make_links
+from runtime.fieldbus.dialogue import SYNC, TIME, NodeDialogues
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.exchange import IO_REFRESH
 from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
-from runtime.fieldbus.network import PolledNetwork
-from runtime.fieldbus.pdo import SYNCHRONOUS
+from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, fill
+from runtime.fieldbus.rejoin import Rejoin
 
 MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the next cycle
 MAX_STALE_FRAMES: Final = 10_000
 LOAD_WINDOW: Final = 100  # cycles over which the bus load is taken
+HIGH_LOAD: Final = 0.9  # share of the bus, from which on a repeated frame makes a cycle late
 STOP_TIME: Final = 3.0  # s, the longest that stop() waits for the drives
 FAILURES_UNTIL_GONE: Final = 3  # cycles in a row with an error of the bus; a full transmit queue may pass by
 GONE_AT_ONCE: Final = frozenset({errno.ENETDOWN, errno.ENODEV, errno.ENXIO, errno.EBADF, errno.ENETUNREACH})
 BUS_ERRORS: Final = (can.CanError, OSError, ValueError)  # ValueError: select() on a closed socket
 ERROR_FRAME_BUS_OFF: Final = 0x40  # SocketCAN: CAN_ERR_BUSOFF
 BOOT_UP: Final = 0
+DAYS_1970_TO_1984: Final = 5113
+RECOVERY_PAUSE: Final = 0.2  # s after which a bus that is gone may be found working
+EMERGENCY_PAUSE: Final = 1.0  # s in which the same emergency of a node is told once
 RESTING: Final = (
     DriveState.OFFLINE,
     DriveState.NOT_READY_TO_SWITCH_ON,
@@ -50,12 +60,19 @@ RESTING: Final = (
 class CanopenMaster:
     """A `DriveSystem` (runtime.drives) over CANopen.
 
-    `now()` gives seconds of a clock that only goes forward; `idle()` must let it go forward. The bus is the caller's:
+    `now()` gives seconds of a clock that only goes forward; `idle()` must let it go forward; `wall_clock()` gives seconds since
+    1970, for the time stamps that nodes are told. The bus is the caller's:
     it opens it and shuts it down.
     """
 
     def __init__(
-        self, machine: Machine, bus: can.BusABC, *, now: Callable[[], float], idle: Callable[[], None]
+        self,
+        machine: Machine,
+        bus: can.BusABC,
+        *,
+        now: Callable[[], float],
+        idle: Callable[[], None],
+        wall_clock: Callable[[], float] = time.time,
     ) -> None:
         self.image = DriveImage(len(machine.axes))
         self._machine = machine
@@ -63,13 +80,17 @@ class CanopenMaster:
         self._period = machine.cycle.period
         self._bus = bus
         self._now = now
+        self._wall_clock = wall_clock
         self._idle = idle
         self._network = PolledNetwork(bus)
         self._links: Links = []
         self._drives: list[DriveLink] = []
         self._ios: list[IoLink] = []
+        self._guards: list[can.Message] = []  # requests to nodes without a heartbeat
         self._table: dict[int, Receiver] = {}
-        self._sync = can.Message(arbitration_id=SYNC, is_extended_id=False)
+        self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
+        self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
+        self._sync = can.Message(arbitration_id=SYNC, is_extended_id=False, dlc=1 if self._config.sync_counter else 0)
         self._heartbeat = can.Message(
             arbitration_id=0x700 + self._config.master_node, data=[OPERATIONAL], is_extended_id=False
         )
@@ -80,12 +101,18 @@ class CanopenMaster:
         """The state before the first cycle."""
         self._running = False
         self._gone: DriveEvent | None = None
+        self._gone_at = 0.0
+        self._error_frames = 0
+        self._sending_works = False
+        self._rejoins = {}
         self._watching = False
         self._failed = False  # an error of the bus in this cycle
         self._failures = 0
         self._heard_master = False
         self._next_heartbeat = 0.0
         self._next_outputs = 0.0
+        self._next_time_stamp = 0.0
+        self._sync_count = 0
         self._cycle_time = 0.0
         self._bits = 0.0
         self._cycles = 0
@@ -106,10 +133,18 @@ class CanopenMaster:
         self._links = make_links(self._machine)
         self._drives = [link for link in self._links if isinstance(link, DriveLink)]
         self._ios = [link for link in self._links if isinstance(link, IoLink)]
+        self._guards = [
+            can.Message(arbitration_id=0x700 + link.node, is_extended_id=False, is_remote_frame=True, dlc=1)
+            for link in self._links
+            if link.guarded
+        ]
+        self._plan_load()
+        self._dialogues = NodeDialogues(self._machine, self.image)
         boot = BootSequence(
-            self._machine, self._network, self._links, self.image, self._wait, lambda: self._heard_master
+            self._machine, self._network, self._links, self._dialogues, self._wait, lambda: self._heard_master
         )
-        self._table = self._receivers(boot)
+        self._clients = boot.clients
+        self._table = self._receivers()
         try:
             for _ in range(MAX_STALE_FRAMES):  # what was on the bus before is of no interest
                 if self._bus.recv(0) is None:
@@ -118,18 +153,27 @@ class CanopenMaster:
         except BUS_ERRORS as error:
             raise FieldbusError(catalogue.BUS_GONE, meaning=str(error)) from error
         self._publish_inputs()
-        self._warn_of_load()
         self._running = True
+        self._cycle_time = self._now()
+        for link in self._links:
+            if not link.booted:
+                self._lose(link, catalogue.NODE_ABSENT.id)
 
-    def _receivers(self, boot: BootSequence) -> dict[int, Receiver]:
+    def _receivers(self) -> dict[int, Receiver]:
         table: dict[int, Receiver] = {SYNC: self._on_foreign_master}
         table[self._heartbeat.arbitration_id] = self._on_foreign_master
         for link in self._links:
             table |= link.receivers()
             table[0x080 + link.node] = partial(self._on_emergency, link)
-            table[0x580 + link.node] = partial(boot.clients[link.node].on_response, 0x580 + link.node, timestamp=0.0)
+            table[0x580 + link.node] = partial(self._on_sdo, link)
             table[0x700 + link.node] = partial(self._on_heartbeat, link)
         return table
+
+    def _on_sdo(self, link: DriveLink | IoLink, data: bytearray) -> None:
+        if rejoin := self._rejoins.get(link.node):
+            rejoin.on_answer(data)
+        elif not self._running:
+            self._clients[link.node].take(data)
 
     def _on_foreign_master(self, data: bytearray) -> None:
         self._heard_master = True
@@ -145,14 +189,22 @@ class CanopenMaster:
                 return False
             self._idle()
 
-    def _warn_of_load(self) -> None:
+    def _plan_load(self) -> None:
+        """Refuse what the wire cannot carry, before anybody is told to send it. Raises FieldbusError."""
         if self._config.interface != "socketcan":
             return  # no wire
-        layouts = [item for link in self._drives for item in link.layouts.items()]
-        lengths = [layout.codec.size for plan, layout in layouts if plan.transmission == SYNCHRONOUS]
-        load = wire.load([0, *lengths], self._period, self._config.bitrate)
-        if load > 1.0:
-            self.image.events.append(DriveEvent(catalogue.BUS_OVERLOADED.id, -1, 0, round(load * 100)))
+        planned = wire.planned_load(self._links, self._machine)
+        if planned > 1.0:
+            period_us = self._period * 1e6
+            raise FieldbusError(
+                catalogue.BUS_TOO_SLOW,
+                bitrate=self._config.bitrate,
+                needed=round(planned * period_us),
+                period=round(period_us),
+                excess=round((planned - 1.0) * period_us),
+            )
+        if planned > HIGH_LOAD:
+            self.image.events.append(DriveEvent(catalogue.BUS_OVERLOADED.id, -1, 0, round(planned * 100)))
 
     # -- the cycle ---------------------------------------------------------------------------------------------------
 
@@ -161,9 +213,12 @@ class CanopenMaster:
         image = self.image
         if self._virtual:
             self._move_virtual_axes()
-        if not self._running or self._gone:
+        if not self._running:
             return
         self._cycle_time = now = self._now()
+        if self._gone:
+            self._look_for_bus(now)
+            return
         self._failures = self._failures + 1 if self._failed else 0
         self._failed = False
         try:
@@ -183,7 +238,12 @@ class CanopenMaster:
 
     def write(self) -> None:
         """End of a cycle: send set-points, outputs and SYNC. Never blocks, never raises."""
-        if not self._running or self._gone:
+        if not self._running:
+            return
+        if self._gone:
+            if self._cycle_time >= self._next_heartbeat:
+                self._next_heartbeat = self._cycle_time + self._config.heartbeat
+                self._try_bus()
             return
         image = self.image
         positions, velocities = image.target_position.tolist(), image.target_velocity.tolist()
@@ -195,12 +255,29 @@ class CanopenMaster:
                 self._send(link.message)
             if self._ios:
                 self._send_outputs()
-            self._send(self._sync)
-            if self._config.heartbeat and self._cycle_time >= self._next_heartbeat:
-                self._next_heartbeat = max(self._next_heartbeat + self._config.heartbeat, self._cycle_time)
-                self._send(self._heartbeat)
+            if self._rejoins:
+                self._step_rejoins()
+            self._send_sync()
+            self._send_heartbeat()
         except BUS_ERRORS as error:
             self._bus_failed(error)
+
+    def _send_sync(self) -> None:
+        """SYNC, counted if so configured; now and then the time before it."""
+        if self._config.time_stamp and self._cycle_time >= self._next_time_stamp:
+            self._next_time_stamp = self._cycle_time + self._config.time_stamp
+            self._send_data(TIME, time_of_day(self._wall_clock()))
+        if self._config.sync_counter:
+            self._sync_count = self._sync_count % self._config.sync_counter + 1
+            fill(self._sync, bytes((self._sync_count,)))
+        self._send(self._sync)
+
+    def _send_heartbeat(self) -> None:
+        if self._config.heartbeat and self._cycle_time >= self._next_heartbeat:
+            self._next_heartbeat = max(self._next_heartbeat + self._config.heartbeat, self._cycle_time)
+            self._send(self._heartbeat)
+            for request in self._guards:
+                self._send(request)
 
     def _send(self, message: can.Message) -> None:
         self._bus.send(message)
@@ -216,6 +293,7 @@ class CanopenMaster:
                 self.image.frames_received += count
                 return True
             if message.is_error_frame:
+                self._error_frames += 1
                 self._on_error_frame(message.arbitration_id)
                 continue
             data = message.data
@@ -286,28 +364,68 @@ class CanopenMaster:
                 self._lose(drive, catalogue.PROCESS_DATA_LOST.id)
 
     def _lose(self, link: DriveLink | IoLink, error_id: int, code: int = 0) -> None:
-        """The node is gone for this run: its configuration may be lost, only `start` brings it back."""
+        """The node is gone, its configuration may be lost: it has to go the whole way of the boot to come back."""
         if link.lost:
             return
-        link.lost = True
         link.loss = link.event(error_id, code)
         self.image.events.append(link.loss)
+        self._put_out(link)
+
+    def _put_out(self, link: DriveLink | IoLink) -> None:
+        link.lost = True
+        self._rejoins[link.node] = Rejoin(link, self._dialogues, self._send_data, self._cycle_time)
         if isinstance(link, DriveLink):
             link.control.lose()
             self.image.state[link.axis] = DriveState.OFFLINE
             self.image.actual_velocity[link.axis] = 0.0
 
+    def _step_rejoins(self) -> None:
+        """Nodes on their way back, one step each. Raises can.CanError."""
+        for rejoin in list(self._rejoins.values()):
+            joined = rejoin.step(self._cycle_time)
+            if refusal := rejoin.refusal:
+                rejoin.refusal = None
+                event = rejoin.link.event(catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text)
+                if event != rejoin.told:  # it is tried again and again, and told once
+                    rejoin.told = event
+                    self.image.events.append(event)
+            if joined:
+                self._take_in(rejoin.link)
+
+    def _take_in(self, link: DriveLink | IoLink) -> None:
+        """The node is in operation again; a drive is disabled, and its axis in tracking."""
+        del self._rejoins[link.node]
+        link.lost, link.loss = False, None
+        link.last_heartbeat = link.last_data = self._cycle_time
+        if isinstance(link, DriveLink):
+            link.fresh = False
+        else:
+            self._next_outputs = 0.0  # it has to hear them, changed or not
+        self.image.events.append(link.event(catalogue.NODE_REJOINED.id, 0, _moved(link)))
+
+    def _send_data(self, cob_id: int, data: bytes) -> None:
+        message = can.Message(arbitration_id=cob_id, is_extended_id=False, dlc=len(data))
+        fill(message, data)
+        self._send(message)
+
     def _on_heartbeat(self, link: DriveLink | IoLink, data: bytearray) -> None:
         if not data:
             return
         state = data[0] & 0x7F
+        if link.guarded and state != BOOT_UP:
+            toggle = data[0] >> 7
+            if toggle == link.toggle:  # the answer before, once more: no sign of life (CiA 301, node guarding)
+                return
+            link.toggle = toggle
         link.nmt_state = state
         link.last_heartbeat = self._cycle_time
         if state == BOOT_UP:
             link.booted = True
-        if self._running and state != OPERATIONAL:
+        if self._running and not link.lost and state != OPERATIONAL:
             entry = catalogue.NODE_RESTARTED if state == BOOT_UP else catalogue.NODE_LEFT_OPERATIONAL
             self._lose(link, entry.id, state)
+        if rejoin := self._rejoins.get(link.node):
+            rejoin.on_heartbeat(state)
 
     def _on_emergency(self, link: DriveLink | IoLink, data: bytearray) -> None:
         if len(data) < 3 or not self._running:
@@ -315,7 +433,10 @@ class CanopenMaster:
         code = data[0] | data[1] << 8
         if code & 0xFF00:
             self.image.emcy_count += 1
-            self.image.events.append(link.event(catalogue.EMERGENCY.id, code))
+            before, told = link.last_emergency
+            if code != before or self._cycle_time - told >= EMERGENCY_PAUSE:  # a storm must not bury the other alarms
+                link.last_emergency = code, self._cycle_time
+                self.image.events.append(link.event(catalogue.EMERGENCY.id, code))
         else:
             code = 0  # error reset
         if link.axis >= 0:
@@ -334,23 +455,51 @@ class CanopenMaster:
             self._bus_gone(catalogue.BUS_GONE.id, code)
 
     def _bus_gone(self, error_id: int, code: int) -> None:
+        self._sending_works = False
+        if self._gone:
+            return
         self._gone = DriveEvent(error_id, -1, 0, code)
+        self._gone_at = self._cycle_time
         for link in self._links:
-            link.lost = True
-        for drive in self._drives:
-            drive.control.lose()
-            self.image.state[drive.axis] = DriveState.OFFLINE
-            self.image.actual_velocity[drive.axis] = 0.0
+            link.loss = link.loss or link.event(catalogue.HEARTBEAT_LOST.id)
+            self._put_out(link)
         self._publish_inputs()
         self.image.bus_load = 0.0
         self.image.events.append(self._gone)
 
+    def _look_for_bus(self, now: float) -> None:
+        """The bus is gone: that frames go out and a frame of somebody else comes in is the proof that it works again.
+
+        That sending succeeds proves little: an interface without carrier takes frames into its queue.
+        """
+        before = self.image.frames_received - self._error_frames
+        try:
+            self._receive()
+        except BUS_ERRORS:
+            return
+        heard = self.image.frames_received - self._error_frames > before
+        if not (heard and self._sending_works and now - self._gone_at >= RECOVERY_PAUSE):
+            return
+        self._gone = None
+        self._failures, self._failed = 0, False
+        self._cycles, self._bits = 0, 0.0
+        self.image.events.append(DriveEvent(catalogue.BUS_BACK.id, -1, 0, 0))
+
+    def _try_bus(self) -> None:
+        """Heartbeats into a bus that is gone: nodes that have fallen silent hear that the master lives."""
+        try:
+            self._send(self._heartbeat)
+        except BUS_ERRORS:
+            self._sending_works = False
+        else:
+            self._sending_works = True
+
     def tell_again(self) -> None:
-        """After a reset: only `start` brings lost nodes back, so the machine must not go on without them."""
+        """After a reset: what is still lost, because the machine must not go on without it."""
         if self._gone is not None:
             self.image.events.append(self._gone)
             return
-        self.image.events.extend(link.loss for link in self._links if link.loss is not None)
+        self.image.events.extend(link.loss for link in self._links if link.loss is not None and not link.optional)
 
     # -- the end -----------------------------------------------------------------------------------------------------
 
@@ -384,3 +533,16 @@ class CanopenMaster:
             self._wait(lambda: False, self._period)
         except BUS_ERRORS as error:
             self._bus_failed(error)
+
+
+def _moved(link: DriveLink | IoLink) -> str:
+    """How far a drive was moved while nobody looked."""
+    if not isinstance(link, DriveLink) or not link.moved:
+        return ""
+    return f"; it was moved by {link.moved / link.increments_per_unit:+.3f} meanwhile"
+
+
+def time_of_day(seconds: float) -> bytes:
+    """TIME_OF_DAY of CiA 301 for a time in s since 1970: ms since midnight, days since 1984, UTC."""
+    days, in_day = divmod(seconds, 86_400.0)
+    return struct.pack("<IH", int(in_day * 1000.0), int(days) - DAYS_1970_TO_1984)

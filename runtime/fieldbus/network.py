@@ -98,6 +98,10 @@ class PumpedSdoClient(SdoClient):
         super().__init__(0x600 + node, 0x580 + node, od)  # type: ignore[no-untyped-call]
         self._wait = wait
 
+    def take(self, data: bytearray) -> None:
+        """A frame of the server."""
+        self.on_response(self.tx_cobid, data, 0.0)  # type: ignore[no-untyped-call]
+
     def read_response(self) -> bytes:
         """The answer; raises SdoAbortedError or, after the time-out, SdoCommunicationError."""
         if not self._wait(lambda: not self.responses.empty(), self.RESPONSE_TIMEOUT):

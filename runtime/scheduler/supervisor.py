@@ -38,7 +38,6 @@ from runtime.scheduler.notify import Notifier
 from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
-_BOOT_LIMIT = 60.0  # s until the cycle must run
 _STOP_LIMIT = 15.0  # s that the cycle gets to bring the machine to rest
 _RETAIN_EVERY = 1.0  # s
 
@@ -51,6 +50,7 @@ class RunOptions:
     name: str = "tandem"
     dialect: str = "isg"
     simulated_drives: bool = False
+    start_limit: float = 60.0  # s that each step of the start may take: bus booted, processes up, first cycle
 
 
 class SupervisorError(TandemError):
@@ -147,13 +147,15 @@ class Supervisor:
             raise SupervisorError(alarms.STATE_IN_USE, folder=folder) from None
 
     def _wait_for_cycle(self, condition: Callable[[], bool]) -> None:
-        end = time.monotonic() + _BOOT_LIMIT
+        end = time.monotonic() + self.options.start_limit
         while not condition():
             if not self.cycle.running:
                 self._drain_events()
                 raise SupervisorError(alarms.CYCLE_NOT_STARTED, reason=self.cycle.end())
             if time.monotonic() > end:
-                raise SupervisorError(alarms.CYCLE_NOT_STARTED, reason=f"not ready after {_BOOT_LIMIT:.0f} s")
+                raise SupervisorError(
+                    alarms.CYCLE_NOT_STARTED, reason=f"not ready after {self.options.start_limit:.0f} s"
+                )
             time.sleep(0.02)
 
     def _attach(self) -> bool:

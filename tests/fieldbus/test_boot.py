@@ -11,7 +11,7 @@ import pytest
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.drives import DriveState
-from runtime.fieldbus.boot import interpolation_time
+from runtime.fieldbus.dialogue import interpolation_time
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.simulator import Fault
 from tests.fieldbus.rig import Rig, demo_description
@@ -291,3 +291,18 @@ def test_the_bus_goes_away_during_boot() -> None:
     with Rig(nodes=False) as rig:
         rig.bus.shutdown()
         refused(rig, catalogue.BUS_GONE)
+
+
+def test_the_stored_configuration_is_checked_when_it_is_described() -> None:
+    description = demo_description()
+    description["axes"][1]["drive"]["configuration"] = [15_000, 3_600_000]
+    with Rig(description) as rig, pytest.raises(FieldbusError) as refusal:
+        rig.master.start()
+    assert refusal.value.problem.entry is catalogue.WRONG_CONFIGURATION
+    assert "node 2 (axis Y) is of date and time (0, 0) (object 0x1020), expected is (15000, 3600000)" in str(
+        refusal.value
+    )
+    description = demo_description()
+    description["axes"][1]["drive"]["configuration"] = [0, 0]
+    with Rig(description) as rig:
+        rig.master.start()

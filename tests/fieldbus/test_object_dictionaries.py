@@ -102,3 +102,44 @@ def test_dictionaries_are_those_of_the_node_and_of_the_file_as_it_is_now(tmp_pat
     file.unlink()
     with pytest.raises(FileNotFoundError):
         read_dictionary(str(file), 5)
+
+
+def _spoilt(text: str) -> str:
+    """The same EDS as a careless vendor writes it."""
+    lines = []
+    for line in text.splitlines():
+        if line.startswith("[") and "sub" in line:
+            line = "[ " + line[1:-1].replace("sub", "SUB").lower().replace("sub", "SUB") + " ]"
+        line = line.replace("DataType=", "datatype = ").replace("PDOMapping=1", "PDOMapping=TRUE ; can be mapped")
+        lines.append(line)
+    return "\r\n".join([*lines, "this line is nothing", "[1000]", "ParameterName=Twice", ""])
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_careless_files_give_the_same_dictionary(file: str, tmp_path: Path) -> None:
+    good = read_dictionary(eds_path(None, file), 5)
+    careless = tmp_path / "careless.eds"
+    text = Path(eds_path(None, file)).read_text(encoding="utf-8")
+    assert _spoilt(text) != text
+    careless.write_bytes(_spoilt(text).replace("Vendor ID", "Größe").encode("cp1252"))
+    read = read_dictionary(str(careless), 5)
+    assert described(read) == described(good)
+
+
+def described(od: canopen.ObjectDictionary) -> list[tuple[object, ...]]:
+    """All that the runtime reads of a dictionary."""
+    variables: list[ODVariable] = []
+    for entry in od.values():
+        variables += [entry] if isinstance(entry, ODVariable) else [entry[sub] for sub in entry]
+    return [(v.index, v.subindex, v.data_type, v.access_type, v.pdo_mappable, v.default) for v in variables]
+
+
+@pytest.mark.parametrize("formula", ["$NODEID+0x200", "0x200+$NODEID", "$nodeid + 0x200", "0x200 + $NodeID"])
+def test_node_id_formulas(formula: str, tmp_path: Path) -> None:
+    file = tmp_path / "formula.eds"
+    text = Path(eds_path(None, DRIVE_EDS)).read_text(encoding="utf-8")
+    (before,) = {line for line in text.splitlines() if line.lower().replace(" ", "") == "defaultvalue=$nodeid+0x200"}
+    file.write_text(text.replace(before, f"DefaultValue={formula}"))
+    assert find_variable(read_dictionary(str(file), 7), 0x1400, 1).default == 0x207
+    file.write_text(text.replace(before, "DefaultValue=$NODEID"))
+    assert find_variable(read_dictionary(str(file), 7), 0x1400, 1).default == 7

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import can
 import pytest
 import yaml
 
@@ -22,6 +23,8 @@ from runtime.drives import DriveState
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.master import CanopenMaster
+from runtime.fieldbus.simulator import SimulatedNodes
+from runtime.fieldbus.simulator.commands import CommandLines
 from tests.fieldbus.rig import demo_description
 
 PATIENCE = 20.0  # s
@@ -118,3 +121,24 @@ def test_a_machine_description_that_cannot_be_read(tmp_path: Path, content: str 
     assert result.returncode == 1
     assert result.stderr.startswith("simulator: ")
     assert "Traceback" not in result.stderr
+
+
+def test_faults_are_taken_from_standard_input() -> None:
+    machine = Machine.model_validate(demo_description())
+    with can.Bus(interface="virtual", channel="commands") as bus:
+        nodes = SimulatedNodes(machine, bus)
+        nodes.step(0.0)
+        reader, writer = os.pipe()
+        commands = CommandLines(reader)
+        commands.obey(nodes)  # nothing there: it does not wait
+        os.write(writer, b"silent 2\ndrive 1 0x4310\nnonsense\nsil")
+        commands.obey(nodes)
+        assert nodes.drives[2].silent
+        assert nodes.drives[1].values[0x603F, 0] == 0x4310
+        os.write(writer, b"ent 3\nheal 2\n")
+        commands.obey(nodes)
+        assert nodes.drives[3].silent
+        assert not nodes.drives[2].silent
+        os.close(writer)
+        commands.obey(nodes)  # nobody is there any more
+        os.close(reader)

@@ -49,9 +49,9 @@ def test_the_unit_is_verified_without_a_word(tmp_path: Path) -> None:
 
 
 @needs("systemd-analyze")
-def test_the_exposure_is_at_or_below_4(tmp_path: Path) -> None:
+def test_the_exposure_is_at_or_below_3(tmp_path: Path) -> None:
     def exposure(unit: Path) -> subprocess.CompletedProcess[str]:
-        return run("systemd-analyze", "security", "--offline=yes", "--threshold=40", "--no-pager", str(unit))
+        return run("systemd-analyze", "security", "--offline=yes", "--threshold=30", "--no-pager", str(unit))
 
     assert exposure(UNIT).returncode == 0
     bare = tmp_path / "bare.service"

@@ -7,7 +7,7 @@ the first in front of it (`WaitingLine.place`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from runtime.cnc.blocks import Arc, Corner, CornerKind, Line, Polyline, Source, SpatialArc
 from runtime.cnc.decoder.circles import by_opening_angle
@@ -117,6 +117,12 @@ def corner_block(x: Execution, kind: CornerKind, column: int) -> None:
         feed = insert_feed(x, x.modal.feed, block.column(WordKind.FEED))
     x.additions = {}
     corner = Corner(kind, _scaled(x, block, x.modal.corner_size), feed)
+    if x.line_waits:
+        waiting: _Waiting = x.state["waiting line"]
+        if waiting.corner is not None:
+            raise LineError(catalogue.CORNER_TWICE, column)
+        x.state["waiting line"] = replace(waiting, corner=corner)
+        return
     x.flush_run()
     for place in range(len(x.out) - 1, -1, -1):
         motion = x.out[place]

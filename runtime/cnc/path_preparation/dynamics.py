@@ -65,10 +65,15 @@ class Dynamics:
 
 
 def _least(limit: Floats, share: Floats) -> Floats:
-    """min over the axes of limit / share, (k,), for shares (k, n_axes); inf where nothing moves."""
+    """min over the axes of limit / share, (k,), for shares (k, n_axes); inf where nothing moves.
+
+    Axis by axis: a NumPy minimum over a last dimension of three costs more than the divisions.
+    """
+    least: Floats = np.full(share.shape[:-1], np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(share > 0.0, limit / share, np.inf)
-    least: Floats = ratio.min(axis=-1)
+        for axis in range(share.shape[-1]):
+            part = share[..., axis]
+            np.minimum(least, np.where(part > 0.0, limit[..., axis] / part, np.inf), out=least)
     return least
 
 
@@ -163,10 +168,8 @@ def _step_down(values: Floats, step: float) -> Floats:
 
 
 def _least_left(limit: Floats, taken: Floats, share: Floats) -> Floats:
-    """min over the axes of (limit - taken) / share, (k,)."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(share > 0.0, (limit - taken) / share, np.inf)
-    least: Floats = np.maximum(ratio.min(axis=-1), 0.0)
+    """min over the axes of (limit - taken) / share, (k,), at least 0."""
+    least: Floats = np.maximum(_least(limit - taken, share), 0.0)
     return least
 
 

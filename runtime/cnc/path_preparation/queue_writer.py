@@ -84,10 +84,17 @@ def _with_text(block: Block) -> bool:
     return isinstance(block, Message | UserError) or (isinstance(block, ExternalWrite) and isinstance(block.value, str))
 
 
+def _norm(way: Floats) -> Floats:
+    """Euclidean lengths (k,) of (k, n), axis by axis: a sum over a last dimension of three is slow in NumPy."""
+    squares: Floats = np.zeros(len(way))
+    for axis in range(way.shape[1]):
+        squares += way[:, axis] * way[:, axis]
+    return np.sqrt(squares)
+
+
 def path_length(way: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
     """Lengths (k,) of straight moves (k, n_axes), and whether they are measured along the main axes."""
-    along_main = np.sqrt((way[:, :MAIN_AXES] ** 2).sum(axis=1))
-    along_others = np.sqrt((way[:, MAIN_AXES:] ** 2).sum(axis=1))
+    along_main, along_others = _norm(way[:, :MAIN_AXES]), _norm(way[:, MAIN_AXES:])
     main = along_main > NO_LENGTH
     # An axis that goes along a move of next to no length would be infinitely fast: such a move is measured by it.
     main &= along_main > 1e-6 * along_others
@@ -277,7 +284,6 @@ class QueueWriter:
         """Complete k records to lines between `points` (k + 1, n); `feeds` (k,) per min."""
         first_line = int(records["line"][0]) if len(records) else 0
         start = self._join(points, program, first_line)
-        _, main = path_length(np.diff(points, axis=0))
         lengths, _ = path_length(np.diff(points, axis=0))
         there = lengths > NO_LENGTH
         records["kind"] = np.where(there, RecordKind.LINE, RecordKind.BLOCK_END)

@@ -70,6 +70,17 @@ CYCLE_NOT_REPRESENTABLE = ErrorEntry(
     "a cycle of {period_us} µs cannot be given to the drives as interpolation period (1 to 255 times a power of ten)",
     remedy="choose a cycle like 1 ms, 2 ms, 500 µs",
 )
+BUS_TOO_SLOW = ErrorEntry(
+    303015,
+    "the frames of one cycle take {needed} µs of the bus at {bitrate} bit/s, {excess} µs more than the cycle of {period} µs",
+    remedy="choose a longer cycle or a higher bit rate, or divide the nodes",
+)
+WRONG_CONFIGURATION = ErrorEntry(
+    303016,
+    "the configuration stored in node {node} ({owner}) is of date and time {actual} (object 0x1020), expected is {expected}",
+    remedy="store the right parameters in the device with its own tool, or correct configuration",
+    source="CiA 302-2, verify configuration",
+)
 # -- boot ------------------------------------------------------------------------------------------------------------
 OTHER_MASTER = ErrorEntry(
     303020,
@@ -139,12 +150,13 @@ EMERGENCY = ErrorEntry(
     remedy="the manual of the device explains the code",
     source="CiA 301, EMCY",
 )
+# A node that is lost comes back by itself (runtime.fieldbus.rejoin): it is told, and waits for the acknowledgement.
 HEARTBEAT_LOST = ErrorEntry(
     303032,
     "heartbeat of node {node} ({owner}) is lost",
     severity=Severity.FATAL,
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check supply and cable of the node, then restart the runtime",
+    remedy="check supply and cable of the node, then acknowledge (reset)",
     source="CiA 301, heartbeat consumer",
 )
 NODE_RESTARTED = ErrorEntry(
@@ -152,21 +164,21 @@ NODE_RESTARTED = ErrorEntry(
     "node {node} ({owner}) restarted by itself",
     severity=Severity.FATAL,
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check the supply of the node, then restart the runtime",
+    remedy="check the supply of the node, then acknowledge (reset)",
 )
 NODE_LEFT_OPERATIONAL = ErrorEntry(
     303034,
     "node {node} ({owner}) left the operational state, its NMT state is {meaning}",
     severity=Severity.FATAL,
     reaction=Reaction.STOP_ON_PATH,
-    remedy="see the alarms before this one, then restart the runtime",
+    remedy="see the alarms before this one, then acknowledge (reset)",
 )
 PROCESS_DATA_LOST = ErrorEntry(
     303035,
     "node {node} ({owner}) sends no process data any more",
     severity=Severity.FATAL,
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check the bus load and the node, then restart the runtime",
+    remedy="check the bus load and the node, then acknowledge (reset)",
 )
 DRIVE_DISABLED = ErrorEntry(
     303036,
@@ -186,14 +198,14 @@ BUS_GONE = ErrorEntry(
     "the bus is gone: {meaning}",
     severity=Severity.FATAL,
     reaction=Reaction.QUICK_STOP,
-    remedy="check the CAN adapter and the cable, then restart the runtime",
+    remedy="check the CAN adapter and the cable, then acknowledge (reset)",
 )
 BUS_OFF = ErrorEntry(
     303041,
     "the CAN controller switched itself off the bus (bus off)",
     severity=Severity.FATAL,
     reaction=Reaction.QUICK_STOP,
-    remedy="check terminators, cable and bit rate, then restart the runtime",
+    remedy="check terminators, cable and bit rate, then acknowledge (reset)",
 )
 BUS_OVERLOADED = ErrorEntry(
     303042,
@@ -201,4 +213,32 @@ BUS_OVERLOADED = ErrorEntry(
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
     remedy="choose a longer cycle, or a higher bit rate",
+)
+NODE_REJOINED = ErrorEntry(
+    303043,
+    "node {node} ({owner}) is back in operation{meaning}",
+    severity=Severity.MESSAGE,
+    reaction=Reaction.NONE,
+    remedy="acknowledge (reset), then the program can be started again",
+    source="CiA 302-2, boot slave",
+)
+REJOIN_REFUSED = ErrorEntry(
+    303044,
+    "node {node} ({owner}) is back, but cannot be taken into operation: {meaning}",
+    reaction=Reaction.NONE,
+    remedy="the reason says what to do; it is tried again every two seconds",
+)
+NODE_ABSENT = ErrorEntry(
+    303045,
+    "node {node} ({owner}) is not on the bus; it is optional",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="connect it: it is taken into operation while the machine runs",
+)
+BUS_BACK = ErrorEntry(
+    303046,
+    "the bus works again; its nodes are taken into operation",
+    severity=Severity.MESSAGE,
+    reaction=Reaction.NONE,
+    remedy="acknowledge (reset) when all nodes are back",
 )

@@ -1,6 +1,6 @@
 """The simulated nodes of a machine as a process of their own, in real time:
 
-python -m runtime.fieldbus.simulator --machine FILE [--state FILE] [--exit-with-parent]
+python -m runtime.fieldbus.simulator --machine FILE [--state FILE] [--exit-with-parent] [--commands]
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue.fieldbus import NODE_TAKEN
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.simulator.commands import CommandLines
 from runtime.fieldbus.simulator.encoder import EncoderFile
 from runtime.fieldbus.simulator.nodes import SimulatedNodes
 
@@ -46,7 +47,12 @@ def refuse_taken_nodes(machine: Machine, bus: can.BusABC, now: Callable[[], floa
 
 
 def serve(
-    nodes: SimulatedNodes, bus: can.BusABC, now: Callable[[], float], stopped: Callable[[float], bool], step: float
+    nodes: SimulatedNodes,
+    bus: can.BusABC,
+    now: Callable[[], float],
+    stopped: Callable[[float], bool],
+    step: float,
+    commands: CommandLines | None = None,
 ) -> None:
     """Answer frames at once and step the time at least every `step` s, until `stopped(silence)`, where `silence` is how
     many seconds ago the last frame came. Raises can.CanError."""
@@ -60,6 +66,8 @@ def serve(
         if message is None or now() - stepped >= step:
             stepped = now()
             nodes.step(stepped)
+            if commands is not None:
+                commands.obey(nodes)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -73,6 +81,9 @@ def main(arguments: list[str] | None = None) -> int:
         "--exit-with-parent",
         action="store_true",
         help="end when the process that started this one has ended and the bus is silent",
+    )
+    parser.add_argument(
+        "--commands", action="store_true", help="take faults as lines on standard input: silent 2, heal 2"
     )
     options = parser.parse_args(arguments)
     try:
@@ -107,7 +118,8 @@ def main(arguments: list[str] | None = None) -> int:
     gc.collect()
     gc.freeze()
     try:
-        serve(nodes, bus, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period))
+        commands = CommandLines(sys.stdin.fileno()) if options.commands else None
+        serve(nodes, bus, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period), commands)
     except (can.CanError, OSError) as error:
         print(f"simulator: the bus is gone: {error}", file=sys.stderr)
         return 1

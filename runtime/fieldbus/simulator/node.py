@@ -28,7 +28,11 @@ from runtime.fieldbus.pdo import (
 
 ERROR_REGISTER: Final = 0x1001
 ERROR_HISTORY: Final = 0x1003
+GUARD_TIME: Final = 0x100C  # ms
+LIFE_TIME_FACTOR: Final = 0x100D
 CONSUMER_HEARTBEAT: Final = 0x1016
+MASTER_GUARDS: Final = -1  # instead of a node id: whoever asks
+OPERATIONAL: Final = 5
 ERROR_BEHAVIOUR: Final = 0x1029
 HEARTBEAT_ERROR: Final = 0x8130
 HISTORY_LENGTH: Final = 8
@@ -71,6 +75,7 @@ class SimulatedNode:
         self.vendor_id: int | None = None  # another than that of the EDS
         self.operational = False
         self._errors: list[int] = []
+        self._toggle = 0
         self._master_heard: float | None = None
         self._master_lost = False
         self._watched: tuple[int, float] = (0, 0.0)  # node id, time-out in s
@@ -110,6 +115,7 @@ class SimulatedNode:
 
     def _boot(self) -> None:
         self.operational = False
+        self._toggle = 0
         self._master_heard, self._master_lost, self._watched = None, False, (0, 0.0)
         self._transmit, self._receive = [], []
         self.local.nmt.stop_heartbeat()
@@ -162,6 +168,18 @@ class SimulatedNode:
         if node == self._watched[0]:
             self._master_heard = now
             self._master_lost = False
+
+    def on_guard(self, now: float) -> None:
+        """The master asks for the state (node guarding): the answer toggles, and the question is a sign of its life."""
+        if self.silent:
+            return
+        guard_time, factor = self._number(GUARD_TIME), self._number(LIFE_TIME_FACTOR)
+        if guard_time and factor:
+            self._watched = MASTER_GUARDS, guard_time * factor / 1000.0
+            self.on_heartbeat(MASTER_GUARDS, now)
+        state = OPERATIONAL if self.operational else PRE_OPERATIONAL - 1
+        self.network.send_message(0x700 + self.id, bytes((state | self._toggle,)))
+        self._toggle ^= 0x80
 
     def emergency(self, code: int) -> None:
         """Send an EMCY and keep it in the error history."""

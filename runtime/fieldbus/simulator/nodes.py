@@ -9,8 +9,8 @@ from __future__ import annotations
 import can
 
 from runtime.config.machine import Machine
-from runtime.fieldbus.boot import SYNC
 from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
+from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.simulator.drive import OVER_CURRENT, Fault, SimulatedDrive
 from runtime.fieldbus.simulator.encoder import EncoderFile
@@ -87,12 +87,19 @@ class SimulatedNodes:
             message = self._bus.recv(0)
             if message is None:
                 return count
-            self._network.receive(message)
+            self._hear(message)
         return MAX_FRAMES_PER_POLL
 
     def receive(self, message: can.Message, now: float) -> None:
         """Handle one frame that somebody else took from the bus."""
         self._now = now
+        self._hear(message)
+
+    def _hear(self, message: can.Message) -> None:
+        if message.is_remote_frame:
+            if node := self.nodes.get(message.arbitration_id - 0x700):
+                node.on_guard(self._now)
+            return
         self._network.receive(message)
 
     def step(self, now: float) -> None:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from runtime.cnc.blocks import Arc, Floats, Line, Polyline
 from runtime.cnc.decoder import Decoder, load_program
+from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.selection import restore_modal
 from runtime.diagnostics.catalogue import language as catalogue
@@ -73,7 +74,6 @@ def test_a_scaled_program_gives_the_scaled_path(contour: str, factor: float) -> 
     np.testing.assert_allclose(programmed(scaled), programmed(plain), atol=1e-6)
 
 
-@pytest.mark.spec("isg.lex.coordinate-offset-model")
 @settings(max_examples=60)
 @given(contours(), st.permutations(["G55", "G92 X3 Y-4", "G351 X-1", "#SCALE ON X2 Y2", "#ROTATION ON [ANGLE 40]"]))
 def test_the_order_of_selecting_has_no_influence(contour: str, order: list[str]) -> None:
@@ -91,6 +91,24 @@ def test_a_program_in_inch_is_25_4_times_as_large(contour: str) -> None:
     metric = decode(f"{contour}\nM30")
     inch = decode(f"G70\n{contour}\nM30")
     np.testing.assert_allclose(path(inch), path(metric) * 25.4, atol=1e-5)
+
+
+@pytest.mark.spec("isg.g.g-function-system")
+def test_every_program_begins_in_the_initial_state(tmp_path: Path) -> None:
+    """G01 G17 G20 G53 G69 G71 G90 G94 G162 G165, no offset, no radius, no feed: whatever the program before has left."""
+    assert ends("G1 X1 F1\nG01 X2\nG0 X3\nG00 X4\nM30") == [[1, 0, 0], [2, 0, 0], [3, 0, 0], [4, 0, 0]]
+    file = tmp_path / "a.nc"
+    file.write_text("G02 G18 G22 G55 G70 G91 G95 G161 G164 F3 R5\nG92 X1\nG351 Z-1\n#SCALE ON X2\nG68 R30 Z1\nM30")
+    memory = ChannelMemory(SETUP)
+    for _ in range(2):
+        program = load_program(file, SETUP)
+        decoder = Decoder(program, SETUP, start=np.zeros(3), memory=memory)
+        coordinates = decoder.execution.coordinates
+        assert decoder.modal == ModalState()
+        assert (coordinates.gain, coordinates.shift, coordinates.rotation) == ([1, 1, 1], [0, 0, 0], None)
+        assert len(list(decoder.blocks())) == 1
+        assert coordinates.rotation is not None
+        program.close()
 
 
 # -- planes

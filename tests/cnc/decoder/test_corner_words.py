@@ -243,6 +243,15 @@ def test_what_stands_between_two_lines_keeps_its_place() -> None:
     assert moving.ends == [[0, 0, 1], [0, 0, 2]]
 
 
+@pytest.mark.spec("isg.g.contour-line-chain")
+def test_a_corner_block_behind_a_line_that_waits() -> None:
+    by_block = run_of("G01 X5 F100 M14\n#ANG=0 E50\nG302 I1\n#ANG=90 X10 Y5")
+    inline = run_of("G01 X5 F100 M14\n#ANG=0 E50 #RND=1\n#ANG=90 X10 Y5")
+    np.testing.assert_array_equal(path(by_block), path(inline))
+    assert [type(block) for block in motions(by_block)] == [Line, Line, Arc, Line]
+    assert entries("G01 F100 #ANG=0 #RND=1\nG302 I1\n#ANG=90 X10 Y5") == [(catalogue.CORNER_TWICE, 2)]
+
+
 @pytest.mark.spec("isg.g.contour-line-double")
 def test_words_of_the_first_line_stay_its_own() -> None:
     run = run_of("G01 F100\n#ANG=0 E50 G166\n#ANG=90 X10 Y5")

@@ -70,7 +70,6 @@ def test_wrong_feeds(text: str, entry: ErrorEntry) -> None:
 # -- E
 
 
-@pytest.mark.spec("isg.mh.feed-e")
 def test_the_feed_at_the_end_of_a_block() -> None:
     run = run_of(
         "G01 G94 G90\nX200 F1000 E500\nX250 E400\nX350 F800 E300\nX400 E900\nG70 X20 E10\nG71 G02 I5 E3\nG01 X9 M14"
@@ -81,7 +80,6 @@ def test_the_feed_at_the_end_of_a_block() -> None:
     assert feeds("G01 X10 F500 E100 #RND=1\nY10") == [500, 100, 500]
 
 
-@pytest.mark.spec("isg.mh.feed-e")
 def test_the_unit_of_e_is_that_of_f() -> None:
     (line,) = motions(run_of("G01 X1 F2 E1", replace(SETUP, feed_factor=1000.0)))
     assert isinstance(line, Line)
@@ -182,7 +180,6 @@ def test_wrong_feed_changes(text: str, entry: ErrorEntry, line: int) -> None:
 # -- override
 
 
-@pytest.mark.spec("isg.g.override-off-g166")
 def test_the_override_is_off_for_one_block() -> None:
     run = run_of("G01 F100\nG166 X1\nX2 M14\nG166 G00 X3\nG02 G166 I4\nI4")
     assert [block.override_off for block in run.blocks if isinstance(block, Line | Arc)] == [

@@ -12,7 +12,10 @@ from hypothesis import strategies as st
 
 from runtime.cnc.blocks import BlockEnd, Floats, Line, Polyline, Stop, StopKind
 from runtime.cnc.decoder import Decoder, ProgramError, load_program, look_through
+from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.language.isg.index import Rules
+from runtime.cnc.motion_queue import MotionQueue, RecordKind
+from runtime.cnc.path_preparation import PumpState, QueueWriter
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from runtime.diagnostics.errors import Severity
 from tests.cnc.decoder.programs import SETUP, Run, decode
@@ -682,7 +685,7 @@ def steps(text: str) -> list[int]:
 @pytest.mark.spec("isg.add.single-step")
 def test_single_step_ranges() -> None:
     text = (
-        "N10 G00 X1\nN20 X2\nN40 #SINGLE STEP [DISABLE]\nN50 X3\nN55 #SINGLE STEP [DISABLE]\nN60 X[4]\nN65 L sub.nc\n"
+        "N10 G00 X[1]\nN20 X[2]\nN40 #SINGLE STEP [DISABLE]\nN50 X3\nN55 #SINGLE STEP [DISABLE]\nN60 X[4]\nN65 L sub.nc\n"
         "N67 G02 F1 X5 R5\nN75 #SINGLE STEP [ENABLE]\nN80 X7 R5\nN90 G00 X8\nN100 #SINGLE STEP [ENABLE]\nN110 X9\nM30"
     )
     assert steps(text) == [10, 20, 80, 90, 110]
@@ -696,3 +699,18 @@ def test_single_step_ranges() -> None:
         run = decode(f"#SINGLE STEP {arguments}\nM30")
         assert run.problem is not None
         assert run.problem.entry is entry
+
+
+@pytest.mark.spec("isg.add.single-step")
+def test_the_queue_holds_no_step_inside_of_a_locked_range() -> None:
+    run = decode(
+        "N10 G00 X1\nN20 #SINGLE STEP [DISABLE]\nN30 X2\nN40 X[3]\nN50 #SINGLE STEP [ENABLE]\nN60 X4\nN70 G01 F1 X5 E1\nM30"
+    )
+    assert run.problem is None, run.problem
+    limits = AxisLimits(*(np.full(3, value) for value in (400.0, 4000.0, 6e4, 5.0)))
+    queue = MotionQueue(3, capacity=64)
+    assert QueueWriter(queue, limits, 0.001, SETUP.axes).pump(iter(run.blocks)) is PumpState.FINISHED
+    records = [queue.record(i) for i in range(queue.written)]
+    steps = [int(r["n"]) for r in records if r["kind"] == RecordKind.BLOCK_END or r["block_end"]]
+    assert [int(r["n"]) for r in records if r["kind"] == RecordKind.LINE] == [10, 30, 40, 60, 70]
+    assert steps == [10, 60, 70]

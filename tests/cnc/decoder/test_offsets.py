@@ -27,7 +27,7 @@ def x_of(text: str) -> list[float]:
     return [end[0] for end in ends(text)]
 
 
-@pytest.mark.spec("isg.lex.coordinate-offset-model", "isg.g.reference-offset-g92", "isg.g.zero-offset-g53-g59")
+@pytest.mark.spec("isg.g.reference-offset-g92", "isg.g.zero-offset-g53-g59")
 @settings(max_examples=40)
 @given(contours(), st.permutations(["G56", "G92 X3 Y-4 Z2", "#PSET X10"]))
 def test_offsets_add_up_in_any_order(contour: str, order: list[str]) -> None:

@@ -20,6 +20,7 @@ def single_step(x: Execution, call: StatementCall) -> None:
     resolution = call.number("RESOLUTION")
     if len(list(call)) != 1:
         raise call.error(catalogue.SINGLE_STEP)
+    x.flush_run()  # moves before this block are steps as they were
     if resolution is None:
         x.steps.locked = call.given("DISABLE")
     elif resolution < 0.5:

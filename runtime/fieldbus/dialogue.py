@@ -1,0 +1,240 @@
+"""What master and node say to each other by SDO before the node may run: who are you, be configured so, where are you.
+
+A dialogue is a generator of `Access`: it yields what is to be read or written and is sent the number that was read. Who
+carries the accesses out decides whether it waits for the answers (the boot, runtime.fieldbus.boot) or lets cycles pass
+meanwhile (a node that comes back, runtime.fieldbus.rejoin). Refusals are raised where they are found, as FieldbusError.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from canopen.sdo.exceptions import SdoAbortedError
+
+from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.diagnostics.errors import ErrorEntry, Place
+from runtime.drives import DriveImage
+from runtime.fieldbus import cia402, exchange
+from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.links import DriveLink, IoLink
+from runtime.fieldbus.pdo import INVALID, NO_RTR, Direction, PdoPlan, find_variable, object_name
+
+DEVICE_TYPE: Final = 0x1000
+SYNC_COB_ID: Final = 0x1005
+SYNC_PERIOD: Final = 0x1006  # µs
+SYNC_COUNTER: Final = 0x1019
+TIME_COB_ID: Final = 0x1012
+GUARD_TIME: Final = 0x100C  # ms
+LIFE_TIME_FACTOR: Final = 0x100D
+CONSUMER_HEARTBEAT: Final = 0x1016
+PRODUCER_HEARTBEAT: Final = 0x1017
+IDENTITY: Final = 0x1018
+VERIFY_CONFIGURATION: Final = 0x1020  # days since 1984, ms since midnight
+INTERPOLATION_PERIOD: Final = 0x60C2
+
+SYNC: Final = 0x80
+TIME: Final = 0x100
+TIME_CONSUMER: Final = 0x8000_0000
+
+# Reactions of a drive, set where it has the object (CiA 402).
+DRIVE_REACTIONS: Final = (
+    (0x6007, 1),  # connection aborted: fault
+    (0x605A, 2),  # quick stop: brake on the quick stop ramp, then switch on disabled
+    (0x605C, 1),  # disable operation: brake on the ramp first
+    (0x605E, 2),  # fault: brake on the quick stop ramp
+)
+QUICK_STOP_DECELERATION: Final = 0x6085
+FOLLOWING_ERROR_WINDOW: Final = 0x6065
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """One SDO access: a read if `value` is None."""
+
+    index: int
+    subindex: int = 0
+    value: int | None = None
+
+    @property
+    def name(self) -> str:
+        return object_name(self.index, self.subindex)
+
+    @property
+    def verb(self) -> str:
+        return "read" if self.value is None else "write"
+
+
+Dialogue = Generator[Access, int, None]
+
+
+def interpolation_time(period: float) -> tuple[int, int]:
+    """Mantissa (1...255) and decimal exponent of object 0x60C2 for a period in seconds.
+
+    Raises FieldbusError for a period that the object cannot tell.
+    """
+    for exponent in (-3, -2, -4, -5, -6):
+        mantissa = period / 10.0**exponent
+        if abs(mantissa - round(mantissa)) < 1e-6 and 1 <= round(mantissa) <= 255:
+            return round(mantissa), exponent
+    raise FieldbusError(catalogue.CYCLE_NOT_REPRESENTABLE, period_us=f"{period * 1e6:g}")
+
+
+class NodeDialogues:
+    """The dialogues of one machine's nodes."""
+
+    def __init__(self, machine: Machine, image: DriveImage) -> None:
+        self._machine = machine
+        self._bus = machine.fieldbus.bus
+        self._image = image
+        self._interpolation = interpolation_time(machine.cycle.period)
+
+    def identify(self, link: DriveLink | IoLink) -> Dialogue:
+        """Is it the device that the machine description means? Raises FieldbusError if not."""
+        profile = (yield Access(DEVICE_TYPE)) & 0xFFFF
+        if profile != link.profile:
+            raise refused(catalogue.WRONG_DEVICE_TYPE, link, actual=profile, expected=link.profile)
+        if link.vendor_id is not None and (vendor := (yield Access(IDENTITY, 1))) != link.vendor_id:
+            raise refused(catalogue.WRONG_VENDOR, link, actual=vendor, expected=link.vendor_id)
+        if link.product_code is not None and (product := (yield Access(IDENTITY, 2))) != link.product_code:
+            raise refused(catalogue.WRONG_PRODUCT, link, actual=product, expected=link.product_code)
+        if link.configuration is not None:
+            found = ((yield Access(VERIFY_CONFIGURATION, 1)), (yield Access(VERIFY_CONFIGURATION, 2)))
+            if found != link.configuration:
+                raise refused(catalogue.WRONG_CONFIGURATION, link, actual=found, expected=link.configuration)
+        if isinstance(link, DriveLink) and has(link, cia402.SUPPORTED_MODES):
+            modes = yield Access(cia402.SUPPORTED_MODES)
+            if not modes >> (link.mode - 1) & 1:
+                name = link.mode.name.lower().replace("_", " ")
+                raise refused(catalogue.MODE_UNSUPPORTED, link, mode=name, supported=modes)
+
+    def configure(self, link: DriveLink | IoLink) -> Dialogue:
+        """Watching, profile, start-up list, process data: in this order."""
+        heartbeat_ms, timeout_ms = round(self._bus.heartbeat * 1000), round(self._bus.heartbeat_timeout * 1000)
+        if link.guarded:
+            link.toggle = -1
+            yield Access(GUARD_TIME, 0, heartbeat_ms)
+            yield Access(LIFE_TIME_FACTOR, 0, min(-(-timeout_ms // heartbeat_ms), 255))
+        else:
+            yield Access(PRODUCER_HEARTBEAT, 0, heartbeat_ms)
+            yield Access(CONSUMER_HEARTBEAT, 1, self._bus.master_node << 16 | timeout_ms)
+        for index, value in self._clock_objects():
+            if has(link, index):
+                yield Access(index, 0, value)
+        if isinstance(link, DriveLink):
+            yield from self._configure_drive(link)
+        for index, subindex, value in link.startup:
+            yield Access(index, subindex, value)
+        yield from _pdo_writes(link)
+
+    def _clock_objects(self) -> Iterator[tuple[int, int]]:
+        """The counter may be changed only while there is no period (CiA 301, object 0x1019)."""
+        yield SYNC_COB_ID, SYNC
+        if self._bus.sync_counter:
+            yield SYNC_PERIOD, 0
+            yield SYNC_COUNTER, self._bus.sync_counter
+        yield SYNC_PERIOD, round(self._machine.cycle.period * 1e6)
+        if self._bus.time_stamp:
+            yield TIME_COB_ID, TIME_CONSUMER | TIME
+
+    def _configure_drive(self, link: DriveLink) -> Dialogue:
+        axis = self._machine.axes[link.axis]
+        writes = [(index, 0, value) for index, value in DRIVE_REACTIONS]
+        # What the axis is said to be able to do, it may do when it must stop. The start-up list can say otherwise.
+        writes.append((QUICK_STOP_DECELERATION, 0, round(axis.acceleration * link.increments_per_unit)))
+        if not link.spindle:
+            # The second line of defence, behind the runtime's own watch.
+            writes.append((FOLLOWING_ERROR_WINDOW, 0, round(2 * axis.following_error * link.increments_per_unit)))
+        writes += [(INTERPOLATION_PERIOD, sub, value) for sub, value in enumerate(self._interpolation, 1)]
+        for index, subindex, value in writes:
+            if has(link, index, subindex):
+                yield Access(index, subindex, min(value, 0xFFFF_FFFF))
+        yield Access(cia402.MODES_OF_OPERATION, 0, link.mode)
+
+    def first_values(self, link: DriveLink | IoLink) -> Dialogue:
+        """Positions, states and inputs are known before the first cycle with the node."""
+        if isinstance(link, DriveLink):
+            if has(link, cia402.ERROR_CODE):
+                self._image.fault_code[link.axis] = yield Access(cia402.ERROR_CODE)
+            position = yield Access(cia402.POSITION_ACTUAL)
+            statusword = yield Access(cia402.STATUSWORD)
+            link.begin(statusword, position, self._image)
+        elif link.inputs:
+            data = bytearray()
+            for group in range((link.inputs + 7) // 8):
+                data.append((yield Access(exchange.READ_INPUTS, group + 1)))
+            link.receive_inputs(data)
+
+
+def _pdo_writes(link: DriveLink | IoLink) -> Iterator[Access]:
+    """The order is that of CiA 301: switch off, empty, map, switch on; PDOs that nobody uses stay off."""
+    used = {plan.communication_index: plan for plan in link.layouts}
+    for direction in Direction:
+        for number in range(1, 5):
+            plan = PdoPlan(direction, number, ())
+            index = plan.communication_index
+            if index not in link.od:
+                continue
+            cob_id = plan.cob_id(link.node) | (NO_RTR if direction is Direction.TRANSMIT else 0)
+            yield Access(index, 1, cob_id | INVALID)
+            if index not in used:
+                continue
+            plan = used[index]
+            yield Access(plan.mapping_index, 0, 0)
+            entries = link.layouts[plan].mapping_entries(link.od)
+            for sub, entry in enumerate(entries, 1):
+                yield Access(plan.mapping_index, sub, entry)
+            yield Access(plan.mapping_index, 0, len(entries))
+            yield Access(index, 2, plan.transmission)
+            if plan.event_timer_ms and has(link, index, 5):
+                yield Access(index, 5, plan.event_timer_ms)
+            yield Access(index, 1, cob_id)
+
+
+# -- from numbers to bytes, and what can go wrong --------------------------------------------------------------------
+
+
+def has(link: DriveLink | IoLink, index: int, subindex: int = 0) -> bool:
+    """Whether the EDS of the node has the object."""
+    try:
+        find_variable(link.od, index, subindex)
+    except KeyError:
+        return False
+    return True
+
+
+def encoded(link: DriveLink | IoLink, access: Access) -> bytes:
+    """The data of a write. Raises FieldbusError for an object that the EDS does not have, or a value it cannot take."""
+    assert access.value is not None
+    try:
+        data: bytes = find_variable(link.od, access.index, access.subindex).encode_raw(access.value)
+    except KeyError:
+        raise refused(catalogue.EDS_OBJECT_MISSING, link, object=access.name, purpose="the configuration") from None
+    return data
+
+
+def decoded(link: DriveLink | IoLink, access: Access, data: bytes) -> int:
+    """The number that was read. Raises FieldbusError, and struct.error or ValueError for an answer of another length."""
+    try:
+        return int(find_variable(link.od, access.index, access.subindex).decode_raw(data))
+    except KeyError:
+        purpose = "the check of the device"
+        raise refused(catalogue.EDS_OBJECT_MISSING, link, object=access.name, purpose=purpose) from None
+
+
+def refused(entry: ErrorEntry, link: DriveLink | IoLink, **values: object) -> FieldbusError:
+    return FieldbusError(entry, Place(), node=link.node, owner=link.owner, **values)
+
+
+def aborted(link: DriveLink | IoLink, access: Access, code: int) -> FieldbusError:
+    """The node refuses an access, with an abort code of CiA 301."""
+    text = SdoAbortedError.CODES.get(code, "unknown reason")
+    meaning = text[:1].lower() + text[1:]
+    return refused(catalogue.SDO_ABORTED, link, access=access.verb, object=access.name, meaning=meaning, code=code)
+
+
+def silent(link: DriveLink | IoLink, access: Access, reason: str) -> FieldbusError:
+    """The node does not answer, or answers what is no answer."""
+    return refused(catalogue.SDO_NO_ANSWER, link, access=access.verb, object=access.name, reason=reason)

@@ -1,0 +1,134 @@
+"""Starting the virtual machine and waiting for its end.
+
+Quick form: the host's root is the guest's, read-only, so the guest has the same Python environment as the tests.
+
+    /            the host's root, read-only (9p)           /run, /dev/shm   memory of the guest
+    /run/out     folder of this run, writable (9p)         /run/kernels     compiled kernels, writable (9p)
+
+Software emulation on purpose: it needs no privilege and works inside other virtual machines.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from tests.vm import initramfs, parts
+
+PROJECT: Final = Path(__file__).parents[2]
+MEMORY_MB: Final = 2048
+PROCESSORS: Final = 3
+GENERIC: Final = {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}  # machine code that host and guest both run
+
+_QUICK_INIT: Final = """#!/bin/sh
+export PATH=/bin
+mount -t proc proc /proc; mount -t sysfs sys /sys; mount -t devtmpfs dev /dev
+{modules}
+P=trans=virtio,version=9p2000.L,msize=512000
+mount -t 9p -o $P,ro,cache=loose hostroot /root || poweroff -f
+mount -t tmpfs -o mode=755 run /root/run
+mkdir /root/run/out /root/run/kernels /root/run/tmp /root/run/home
+mount -t 9p -o $P out /root/run/out
+mount -t 9p -o $P kernels /root/run/kernels
+mount --bind /proc /root/proc; mount --bind /sys /root/sys; mount --bind /dev /root/dev
+mkdir -p /dev/shm; mount -t tmpfs shm /dev/shm
+ip link set lo up
+echo 1 > /proc/sys/kernel/printk
+cat > /root/run/job <<'JOB'
+{job}
+JOB
+chroot /root /bin/sh /run/job > /root/run/out/console.txt 2>&1
+echo $? > /root/run/out/code
+sync
+poweroff -f
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class GuestRun:
+    """How a run ended: exit code of the job inside, -1 if it did not get so far; everything that was printed."""
+
+    code: int
+    console: str
+    folder: Path
+
+
+def run_quick(module: str, arguments: Sequence[str], folder: Path, limit: float) -> GuestRun:
+    """Run `python -m module arguments` inside a machine with two CAN cards on one wire; at most `limit` s.
+
+    Raises parts.UnavailableError.
+    """
+    parts.require_tools()
+    kernel = parts.kernel()
+    kernels = kernel_cache()
+    environment = {
+        "HOME": "/run/home",
+        "TMPDIR": "/run/tmp",
+        "NUMBA_CACHE_DIR": "/run/kernels",
+        "MPLCONFIGDIR": "/run/home",
+        "PYTHONPATH": str(PROJECT),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
+        **GENERIC,
+    }
+    job = "\n".join(f"export {key}='{value}'" for key, value in environment.items())
+    job += f"\ncd {PROJECT}\nexec {sys.executable} -m {module} {' '.join(arguments)}"
+    script = _QUICK_INIT.format(modules=initramfs.load_modules(), job=job)
+    initramfs.write(folder / "initramfs", kernel, parts.busybox(), script)
+    shares = [share("hostroot", Path("/"), readonly=True), share("out", folder), share("kernels", kernels)]
+    command = [*base_command(kernel, folder), *(word for words in shares for word in words)]
+    start_and_wait(command, limit)
+    return result_of(folder)
+
+
+def kernel_cache() -> Path:
+    """A folder in which every kernel is compiled, and every module of the runtime, for any processor."""
+    folder = parts.cache_folder() / "kernels"
+    folder.mkdir(exist_ok=True)
+    environment = {**os.environ, **GENERIC, "NUMBA_CACHE_DIR": str(folder), "PYTHONPATH": str(PROJECT)}
+    code = "import runtime.scheduler.session; from runtime.cli.preparing import prepare_kernels; prepare_kernels()"
+    subprocess.run([sys.executable, "-c", code], cwd=PROJECT, env=environment, check=True, stdin=subprocess.DEVNULL)
+    return folder
+
+
+def base_command(kernel: parts.Kernel, folder: Path) -> list[str]:
+    """QEMU with the kernel and two Kvaser cards (SJA1000) on one wire, its serial line into `folder`."""
+    return [
+        "qemu-system-x86_64", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", str(PROCESSORS),
+        "-m", str(MEMORY_MB), "-display", "none", "-monitor", "none", "-parallel", "none", "-no-reboot", "-nic", "none",
+        "-serial", f"file:{folder / 'serial.txt'}",
+        "-kernel", str(kernel.image), "-initrd", str(folder / "initramfs"),
+        "-append", "console=ttyS0 quiet panic=-1 tsc=reliable clocksource=tsc",
+        "-object", "can-bus,id=wire",
+        "-device", "kvaser_pci,canbus=wire", "-device", "kvaser_pci,canbus=wire",
+    ]  # fmt: skip
+
+
+def share(tag: str, path: Path, *, readonly: bool = False) -> list[str]:
+    """A folder of the host in the guest."""
+    options = f"local,path={path},mount_tag={tag},security_model=none,multidevs=remap"
+    return ["-virtfs", options + (",readonly=on" if readonly else "")]
+
+
+def start_and_wait(command: list[str], limit: float) -> None:
+    """Until the machine switches itself off, or the limit (s) is over."""
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL) as process:
+        try:
+            process.wait(limit)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGKILL)
+
+
+def result_of(folder: Path) -> GuestRun:
+    """What a run has left in its folder."""
+    texts = [
+        path.read_text(errors="replace") for path in (folder / "serial.txt", folder / "console.txt") if path.exists()
+    ]
+    code = folder / "code"
+    return GuestRun(int(code.read_text()) if code.exists() else -1, "\n".join(texts), folder)
