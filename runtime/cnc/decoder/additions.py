@@ -117,11 +117,10 @@ def corner_block(x: Execution, kind: CornerKind, column: int) -> None:
         feed = insert_feed(x, x.modal.feed, block.column(WordKind.FEED))
     x.additions = {}
     corner = Corner(kind, _scaled(x, block, x.modal.corner_size), feed)
-    if x.line_waits:
-        waiting: _Waiting = x.state["waiting line"]
-        if waiting.corner is not None:
+    if x.waiting_line is not None:
+        if x.waiting_line.corner is not None:
             raise LineError(catalogue.CORNER_TWICE, column)
-        x.state["waiting line"] = replace(waiting, corner=corner)
+        x.waiting_line = replace(x.waiting_line, corner=corner)
         return
     x.flush_run()
     for place in range(len(x.out) - 1, -1, -1):
