@@ -16,7 +16,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.error_texts import ErrorTexts
 from runtime.config.machine import Machine
 from runtime.hli.external import external_area
-from runtime.hli.layout import Hli
+from runtime.hli.layout import Hli, Mode
 from runtime.hli.timers import Timers
 
 _RECEIVERS = tuple(Receiver)
@@ -29,6 +29,7 @@ class RunningMachine:
         self.error_texts = ErrorTexts.of(machine)
         self.now = now
         self._link = link
+        self._head = hli.head
         self._timers = Timers(hli)
         self._external = external_area(hli)
         self._backlog: deque[Report] = deque()
@@ -44,6 +45,13 @@ class RunningMachine:
 
     def actual_position(self) -> Floats | None:
         return self._link.actual_position
+
+    def cycle(self) -> int:
+        return int(self._head.cycle_r)
+
+    def operating_mode(self) -> int:
+        """The only mode that programs are started in."""
+        return int(Mode.AUTOMATIC)
 
     def changes_files(self) -> bool:
         return True

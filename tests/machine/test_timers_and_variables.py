@@ -64,6 +64,26 @@ def test_a_counter_of_decoding_time_runs_ahead_of_the_path_and_goes_on_over_prog
     assert read[1] == pytest.approx(500, abs=8)
 
 
+@pytest.mark.spec("isg.var.g-channel-state")
+def test_the_cycles_of_the_interpolator_are_counted_and_are_the_same_in_every_run(demo: Machine) -> None:
+    read: list[int] = []
+
+    def script(contour: Contour, outside: Outside) -> Iterator[Block]:
+        assert outside.operating_mode() == 2
+        yield Flush(at(1), FlushKind.WAIT)
+        read.append(outside.cycle())
+        yield Dwell(at(2), 0.5)
+        yield Flush(at(3), FlushKind.WAIT)
+        read.append(outside.cycle())
+
+    Scripted(demo, script).finish()
+    assert (read[1] - read[0]) * demo.cycle.period == pytest.approx(0.5, abs=8e-3)
+    before = list(read)
+    read.clear()
+    Scripted(demo, script).finish()
+    assert read == before
+
+
 def test_a_write_on_the_path_comes_where_it_stands(demo: Machine) -> None:
     def script(contour: Contour, outside: Outside) -> Iterator[Block]:
         yield ExternalWrite(at(1), 16, "STRING", 20, "roughing")

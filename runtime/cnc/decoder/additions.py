@@ -1,7 +1,7 @@
 """Additions of a motion block: #ANG, #CANG, #CHR, #CHF, #RND, #FRC, G301, G302 (programming manual 2420–2952, 5291–5555).
 
 A contour line whose target is not known yet holds everything back that the program puts out: the next one puts the motion of
-the first in front of it (`_Waiting.place`).
+the first in front of it (`WaitingLine.place`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from runtime.cnc.blocks import Arc, Corner, CornerKind, Line, Polyline, Source, SpatialArc
 from runtime.cnc.decoder.circles import by_opening_angle
-from runtime.cnc.decoder.contour_lines import ContourLineError, ContourLines, Point
+from runtime.cnc.decoder.contour_lines import ContourLineError, Point
 from runtime.cnc.decoder.corners import with_corner
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import require_feed
@@ -117,11 +117,10 @@ def corner_block(x: Execution, kind: CornerKind, column: int) -> None:
         feed = insert_feed(x, x.modal.feed, block.column(WordKind.FEED))
     x.additions = {}
     corner = Corner(kind, _scaled(x, block, x.modal.corner_size), feed)
-    if x.line_waits:
-        waiting: _Waiting = x.state["waiting line"]
-        if waiting.corner is not None:
+    if x.waiting_line is not None:
+        if x.waiting_line.corner is not None:
             raise LineError(catalogue.CORNER_TWICE, column)
-        x.state["waiting line"] = replace(waiting, corner=corner)
+        x.waiting_line = replace(x.waiting_line, corner=corner)
         return
     x.flush_run()
     for place in range(len(x.out) - 1, -1, -1):
@@ -184,7 +183,7 @@ def arc_by_angle(x: Execution, block: CompiledBlock, corner: Corner | None) -> b
 
 
 @dataclass(frozen=True, slots=True)
-class _Waiting:
+class WaitingLine:
     """A block with a contour line whose target the next one gives: what of the block its motion needs.
 
     `place`: where its motion belongs in `Execution.out`. `system`: what was selected in the coordinates.
@@ -219,16 +218,15 @@ def contour_line(x: Execution, block: CompiledBlock, corner: Corner | None) -> b
         raise LineError(catalogue.CENTRE_WITHOUT_CIRCLE, column, letter=letter, motion=int(x.modal.motion))
     plane, _, _ = plane_of(x, block)
     target(x, block)  # the words must lie in their range
-    waiting: _Waiting | None = x.state.pop("waiting line", None)
+    waiting, x.waiting_line = x.waiting_line, None
     if waiting is not None and not all(a is b for a, b in zip(waiting.system, _system(x), strict=True)):
         _drop(x, waiting)
         raise LineError(catalogue.CONTOUR_LINE_SYSTEM, column, line=waiting.source.line)
     start = x.coordinates.in_plane(plane)
     incremental = any(x.incremental_words.get(axis, x.modal.incremental) for axis in plane if axis in x.axis_words)
     first, second = (_coordinate(x, axis, start[place]) for place, axis in enumerate(plane))
-    lines: ContourLines = x.state.setdefault("contour lines", ContourLines())
     try:
-        points = lines.add(start, x.additions["ANG"], (first, second), not incremental)
+        points = x.contour_lines.add(start, x.additions["ANG"], (first, second), not incremental)
     except ContourLineError:
         if waiting is not None:
             _drop(x, waiting)
@@ -244,9 +242,10 @@ def contour_line(x: Execution, block: CompiledBlock, corner: Corner | None) -> b
 
 def expect_no_line(x: Execution) -> None:
     """ContourLineError if a contour line waits for the next one: something comes that gives it no target."""
-    if x.line_waits:
-        _drop(x, x.state.pop("waiting line"))
-        x.state["contour lines"].expect_none()
+    if x.waiting_line is not None:
+        waiting, x.waiting_line = x.waiting_line, None
+        _drop(x, waiting)
+        x.contour_lines.expect_none()
 
 
 def _coordinate(x: Execution, axis: int, start: float) -> float | None:
@@ -266,7 +265,7 @@ def _wait(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
     if x.modal.motion is Motion.LINEAR:
         require_feed(x, block)
     x.flush_run()
-    x.state["waiting line"] = _Waiting(
+    x.waiting_line = WaitingLine(
         block,
         x.source,
         x.modal.copy(),
@@ -283,14 +282,14 @@ def _wait(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
     x.modal_changed()
 
 
-def _drop(x: Execution, waiting: _Waiting) -> None:
+def _drop(x: Execution, waiting: WaitingLine) -> None:
     """The motion will not come: nothing behind it is put out."""
     x.flush_run()
     del x.out[waiting.place :]
     x.line_waits = False
 
 
-def _release(x: Execution, waiting: _Waiting, plane: tuple[int, int], corner_point: Point) -> None:
+def _release(x: Execution, waiting: WaitingLine, plane: tuple[int, int], corner_point: Point) -> None:
     """Put the motion of the block that waited in front of what was held back."""
     behind = x.out[waiting.place :]
     del x.out[waiting.place :]

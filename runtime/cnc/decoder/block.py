@@ -16,16 +16,15 @@ from runtime.cnc.blocks import Block, Source, Stop
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.feed_word import INCH
 from runtime.cnc.decoder.flow import Flow
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
-from runtime.cnc.decoder.modal import FeedMode, Motion
+from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
-from runtime.cnc.decoder.technology import Functions, functions_of
+from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
@@ -35,7 +34,6 @@ from runtime.cnc.language.isg.syntax import Group
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
-SUBPROGRAM_END = (17, 29)
 _FIRST = (Group.PLANE, Group.UNIT, Group.DIMENSION, Group.FEED_MODE)  # they say how the arguments of others count
 
 

@@ -9,20 +9,24 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable
+from pathlib import Path
+from random import Random
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from runtime.cnc.blocks import Block, BlockEnd, Floats, Polyline, Source
-from runtime.cnc.decoder.coordinates import Coordinates
+from runtime.cnc.decoder.contour_lines import ContourLines
+from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
 from runtime.cnc.decoder.external import ExternalVariables
 from runtime.cnc.decoder.feed_word import FeedChange, enter_feed
 from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
-from runtime.cnc.decoder.modal import PLANE_AXES, FeedMode, ModalState, Plane
+from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Plane
 from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.user_variables import Scope
@@ -39,6 +43,7 @@ from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
 if TYPE_CHECKING:
+    from runtime.cnc.decoder.additions import WaitingLine
     from runtime.cnc.decoder.levels import Levels
     from runtime.cnc.decoder.library import Library
 
@@ -132,7 +137,13 @@ class Execution:
         self.spindle_command = 5  # last of M3, M4, M5
         self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
-        self.state: dict[str, Any] = {}  # of functions that keep something of their own, by the name of their module
+        self.last_rotation: Rotation | None = None  # what #ROTATION ON goes on from
+        self.contour_lines = ContourLines()
+        self.waiting_line: WaitingLine | None = None  # what `line_waits` tells of
+        self.file_names: dict[str, str] = {}  # of #FILE NAME, by function: MSG, M6, D, G80 …
+        self.report_backups = Backups()
+        self.found_file: Path | None = None  # of the last #FILE EXIST
+        self.random: Random | None = None  # of V.G.RANDOM, made at its first access
         self._run: list[list[float]] = []
         self._run_feeds: list[float] = []
         self._run_lines: list[int] = []
@@ -276,19 +287,19 @@ class Execution:
 
     def length(self, value: float) -> float:
         """A programmed length in mm (inch converted)."""
-        return value * 25.4 if self.modal.inch else value
+        return value * INCH if self.modal.inch else value
 
     def axis_value(self, axis: int, value: float) -> float:
         """A programmed axis value in mm or degrees."""
-        return value * 25.4 if self.modal.inch and self.setup.linear[axis] else value
+        return value * INCH if self.modal.inch and self.setup.linear[axis] else value
 
     def shown(self, axis: int, value: float) -> float:
         """A value of an axis as the program sees it: inch where inch is selected."""
-        return value / 25.4 if self.modal.inch and self.setup.linear[axis] else value
+        return value / INCH if self.modal.inch and self.setup.linear[axis] else value
 
     def shown_length(self, value: float) -> float:
         """A length as the program sees it."""
-        return value / 25.4 if self.modal.inch else value
+        return value / INCH if self.modal.inch else value
 
     def take_feed(self) -> None:
         """Enter the F word of the block in work now; it is not entered a second time."""

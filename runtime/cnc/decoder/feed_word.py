@@ -6,7 +6,7 @@ import math
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from runtime.cnc.decoder.modal import FeedMode
+from runtime.cnc.decoder.modal import INCH, FeedMode
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock
 from runtime.cnc.language.isg.words import WordKind
@@ -14,8 +14,6 @@ from runtime.diagnostics.catalogue import language as catalogue
 
 if TYPE_CHECKING:
     from runtime.cnc.decoder.execution import Execution
-
-INCH = 25.4  # mm
 
 
 class FeedChange(Enum):

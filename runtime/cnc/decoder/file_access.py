@@ -10,11 +10,10 @@ import re
 from pathlib import Path
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.report_file import DEFAULT_NAME, Backups
+from runtime.cnc.decoder.report_file import DEFAULT_NAME
 from runtime.cnc.language.isg.comments import LineError
 from runtime.diagnostics.catalogue import language as catalogue
 
-BACKUPS = "report backups"  # key in the state of an execution
 _DRIVE = re.compile(r"[A-Za-z]:")
 
 
@@ -26,14 +25,7 @@ def report_folder(x: Execution) -> Path:
 
 def report_name(x: Execution) -> str:
     """The report file as #FILE NAME [MSG=..] has named it."""
-    names: dict[str, str] = x.state.get("file names", {})
-    return names.get("MSG", DEFAULT_NAME)
-
-
-def backups_of(x: Execution) -> Backups:
-    """The backups of the report file that #FILE NAME has asked for."""
-    backups = x.state.get(BACKUPS)
-    return backups if isinstance(backups, Backups) else Backups()
+    return x.file_names.get("MSG", DEFAULT_NAME)
 
 
 def folders(x: Execution) -> list[Path]:

@@ -77,4 +77,5 @@ class Frame:
     sequence: Sequence | None = None
     row: int = 0  # first row of a plain run that is to be executed, where a jump leads into a run
     name: str = ""
+    version: list[int] | None = None  # V.G.PROG_VERSION as this level has written it
     shown: Source | None = None  # the call that stands for all blocks of the level (P-CHAN-00211)

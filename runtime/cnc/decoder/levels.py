@@ -73,9 +73,9 @@ class Levels:
 
     def file_of(self, function: str) -> str:
         """The program that M6, D or a G number calls: of #FILE NAME, else configured; "" for none."""
-        named: dict[str, str] = self._x.state.get("file names", {})
-        if function in named:
-            return named[function]
+        named = self._x.file_names.get(function)
+        if named is not None:
+            return named
         setup = self._x.setup
         if function.startswith("G"):
             return setup.g_programs.get(int(function[1:]), "")

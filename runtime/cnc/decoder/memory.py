@@ -13,7 +13,6 @@ The table is true because the first column is in `ChannelMemory` and the second 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -85,8 +84,3 @@ class ChannelMemory:
         """Remove the macros of programs; configured ones remain."""
         self.macros.clear()
         self.macro_version += 1
-
-
-def configured_macros(setup: DecoderSetup) -> Mapping[str, str]:
-    """Macros of the channel parameters (makro_def[])."""
-    return setup.macros

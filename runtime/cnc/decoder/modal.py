@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+INCH = 25.4  # mm
+
 
 class Motion(IntEnum):
     """The path condition: what axis words mean."""

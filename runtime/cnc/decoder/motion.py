@@ -19,7 +19,6 @@ from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 POSITION_LIMIT = 214_000.0  # mm or degrees (programming manual line 1974)
-INCH = 25.4  # mm
 
 # The axes of a plane (indices of main axes) and the letters of its centre and of the pitch (lines 2216–2230, 2480).
 PLANES = {

@@ -10,6 +10,7 @@ from datetime import datetime
 from typing import Protocol
 
 from runtime.cnc.blocks import Floats, Message, TimerCommand, UserError
+from runtime.hli.layout import Mode
 
 EXTERNAL_BYTES = 65536  # of the area of external variables
 
@@ -47,6 +48,12 @@ class Outside(Protocol):
 
     def latched(self, timer: int) -> int:
         """The count in ms that the last READ on the path has found; holds as the positions do."""
+
+    def cycle(self) -> int:
+        """Number of the interpolator's cycle, counted from the start of the control."""
+
+    def operating_mode(self) -> int:
+        """The mode that the program was started in, as the HLI numbers it."""
 
     def changes_files(self) -> bool:
         """Report files are written, files renamed and deleted; a check leaves all files as they are."""
@@ -94,6 +101,13 @@ class Offline:
 
     def latched(self, timer: int) -> int:
         return 0
+
+    def cycle(self) -> int:
+        return 0
+
+    def operating_mode(self) -> int:
+        """A check takes the ways through the program that the machine takes in automatic mode."""
+        return int(Mode.AUTOMATIC)
 
     def changes_files(self) -> bool:
         return False

@@ -9,7 +9,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Block, Floats, Polyline
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.modal import PLANE_AXES, Motion
+from runtime.cnc.decoder.modal import INCH, PLANE_AXES, Motion
 from runtime.cnc.language.isg.index import Unit
 from runtime.cnc.language.isg.scan import NO_MOTION, Ints, PlainRows
 from runtime.kernels import kernel, warms
@@ -143,8 +143,8 @@ class PlainRuns:
         feeds, lines, numbers = np.empty(room), np.empty(room, np.int64), np.empty(room, np.int64)
         position = np.array(coordinates.position)
         gain, shift = np.array(coordinates.gain), np.array(coordinates.shift)
-        inch = np.where(x.setup.linear, 25.4, 1.0) if modal.inch else np.ones(len(position))
-        feed_factor = (25.4 if modal.inch else 1.0) * x.setup.feed_factor
+        inch = np.where(x.setup.linear, INCH, 1.0) if modal.inch else np.ones(len(position))
+        feed_factor = (INCH if modal.inch else 1.0) * x.setup.feed_factor
         following, moves, mode, feed = trace_plain(
             rows.values,
             rows.given,

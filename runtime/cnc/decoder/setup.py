@@ -128,6 +128,7 @@ class DecoderSetup:
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
+    measuring_type: int = 1  # P-CHAN-00057
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
     limits: Limits = Limits()
@@ -157,6 +158,7 @@ class DecoderSetup:
         return cls(
             axes=described.axes,
             channel_number=channel + 1,
+            measuring_type=parameters.messtyp,
             log_axes=tuple(axis.log_axis for axis in axes),
             log_spindles=tuple(
                 machine.axes[machine.axis_index(spindle.bezeichnung)].log_axis for spindle in parameters.spindel
@@ -241,10 +243,6 @@ class DecoderSetup:
         """The offset of G53…G59, shape (n,)."""
         offset = self.zero_offsets.get(number)
         return np.zeros(len(self.axes)) if offset is None else offset
-
-    def inch_factors(self, inch: bool) -> Floats:
-        """What programmed coordinates are multiplied with, shape (n,)."""
-        return np.array([25.4 if inch and linear else 1.0 for linear in self.linear])
 
 
 def _table(texts: Mapping[int, str], name: str) -> dict[int, Synch]:

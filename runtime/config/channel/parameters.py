@@ -164,6 +164,7 @@ class ChannelParameters(Model):
     versch_im_durchm: bool = False  # P-CHAN-00091, offsets of the facing axis are diameters
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
+    messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118

@@ -76,7 +76,7 @@ ROWS = (
       "Highest speed of gear range j (M40+j)", index=((0, 5), (0, 5)), unit="rpm"),
     P(56, "max_vb_override", "UNS16", "0..2000", 1000, 3168,
       "Upper limit of the channel override", unit="0.1%", use=Use.USED),
-    P(57, "messtyp", "UNS16", "1..7", 1, 2863, "Measurement type valid by default"),
+    P(57, "messtyp", "UNS16", "1..7", 1, 2863, "Measurement type valid by default", use=Use.USED),
     P(58, "spindel[i].range_table[j].min_speed", "UNS16", "", 0, 3965,
       "Lowest speed of gear range j (M40+j)", index=((0, 5), (0, 5)), unit="rpm"),
     P(59, "mittelpkt_diff", "REAL64", "0..MAX", 20000.0, 3069,

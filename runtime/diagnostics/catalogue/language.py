@@ -472,6 +472,13 @@ PRE_OUTPUT = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     source="programming manual line 21372",
 )
+PRE_OUTPUT_UNSUPPORTED = ErrorEntry(
+    300490,
+    "{name}: {letter}{number} would get synchronisation type {synch}, which is not supported yet",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="without an output ahead of the place, choose the type with {name}[{number}].SYNCH",
+    source="programming manual line 21370",
+)
 VERSION_FORM = ErrorEntry(
     22015,
     "{text!r} is no program version",

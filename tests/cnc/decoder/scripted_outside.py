@@ -22,6 +22,7 @@ class Machine(Offline):
         self.rooms = 100
         self.commands: list[tuple[TimerCommand, int]] = []
         self.counts: dict[int, int] = {}
+        self.cycles = 4711
         self.warnings: list[UserError] = []
 
     def now(self) -> datetime:
@@ -47,6 +48,11 @@ class Machine(Offline):
 
     def latched(self, timer: int) -> int:
         return self.counts.get(timer, 0) + 1000
+
+    def cycle(self) -> int:
+        """It goes on from one question to the next."""
+        self.cycles += 1
+        return self.cycles
 
     def changes_files(self) -> bool:
         return True

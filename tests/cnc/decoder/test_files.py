@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Offline, Outside, ProgramError, load_program
-from runtime.cnc.decoder.file_access import BACKUPS
 from runtime.cnc.decoder.report_file import Backups
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from runtime.diagnostics.errors import Problem
@@ -54,9 +53,9 @@ class Place:
                 idle_limit=10_000,
             )
             if name:
-                decoder.execution.state["file names"] = {"MSG": name}
+                decoder.execution.file_names["MSG"] = name
             if backups is not None:
-                decoder.execution.state[BACKUPS] = backups
+                decoder.execution.report_backups = backups
             list(decoder.blocks())
             self.numbers, self.texts = decoder.parameters, dict(decoder.execution.program_scope.scalars)
         except ProgramError as error:

@@ -123,6 +123,18 @@ def test_file_names_are_changed_at_any_time_and_hold_until_the_end() -> None:
     assert xs("M6\nM30", setup, files) == [1]
 
 
+def test_d0_calls_the_program_of_d_as_last_action_and_other_tool_data_are_refused() -> None:
+    files = {"d.nc": "G00 X2\nM17", "e.nc": "G00 X3\nM17"}
+    setup = replace(SETUP, tool_data_program="d.nc")
+    assert xs('D0 G00 X1\n#FILE NAME [D="e.nc"]\nD=0\nX4\nM30', setup, files) == [1, 2, 3, 4]
+    assert xs("D0 G00 X1\nM30", files=files) == [1]  # no program named
+    run = decode("G00 X5\nD1\nM30", setup, files)
+    assert [end[0] for end in run.ends] == [5]
+    assert run.problem is not None
+    assert (run.problem.entry, run.problem.place.line) == (C.ADDRESS_UNSUPPORTED, 2)
+    assert problem_of("D0 M6\nM30", replace(setup, tool_change_program="e.nc"), files) is C.CALL_BESIDE
+
+
 @pytest.mark.spec("isg.g.implicit-subroutines-g80")
 def test_g_calls_give_values_as_transfer_parameters() -> None:
     cycle = "P1 = @P1 P2 = @P2 P4 = @P4 P10 = V.G.@P[3].VALID P11 = V.G.@P[4].VALID P12 = V.G.CYCLE_ACTIVE\nG91\nM17"

@@ -686,7 +686,9 @@ def test_flags_of_functions_that_are_there() -> None:
 def test_a_function_that_is_not_there_is_not_active(name: str) -> None:
     """Its flag is 0; once something switches it on, the flag has to be made true: until then it is refused."""
     statements, g = ABSENT[name]
-    there = any(number in G_FUNCTIONS for number in g) or any(key.split()[0] in statements for key in STATEMENTS)
+    there = any(number in G_FUNCTIONS for number in g) or any(
+        f"{key} ".startswith(f"{beginning} ") for beginning in statements for key in STATEMENTS
+    )
     if there:
         assert refused(f"P1 = V.G.{name}") is C.VARIABLE_UNSUPPORTED
     else:
@@ -711,14 +713,23 @@ def test_synchronisation_of_functions_is_read_and_changed_for_the_programs_that_
     [
         ("P1 = V.G.M_FCT[77].SYNCH", C.FUNCTION_NOT_CONFIGURED),
         ("V.G.H_FCT[77].SYNCH = 1", C.FUNCTION_NOT_CONFIGURED),
-        ("V.G.M_FCT[10].SYNCH = 3", C.SYNCH_VALUE),
+        ("V.G.M_FCT[10].SYNCH = 3", C.SYNCH_UNSUPPORTED),
+        ("V.G.M_FCT[10].SYNCH = '16#1000000'", C.SYNCH_UNSUPPORTED),
+        ("V.G.H_FCT[20].SYNCH = '0x4000'", C.SYNCH_UNSUPPORTED),
+        ("V.G.M_FCT[10].SYNCH = 16", C.SYNCH_UNKNOWN),
+        ("P1 = V.G.H_FCT[20].PRE_OUTP_TIME", C.PRE_OUTPUT),
         ("V.G.M_FCT[10].SYNCH = -1", C.SYNCH_VALUE),
         ("P1 = V.G.M_FCT[10].PRE_OUTP_PATH", C.PRE_OUTPUT),
-        ("V.G.M_FCT[10].PRE_OUTP_TIME = 1", C.VARIABLE_UNSUPPORTED),
+        ("V.G.M_FCT[10].PRE_OUTP_TIME = 1", C.PRE_OUTPUT_UNSUPPORTED),
+        ("V.G.H_FCT[20].PRE_OUTP_PATH = 1", C.PRE_OUTPUT_UNSUPPORTED),
+        ("V.G.H_FCT[77].PRE_OUTP_PATH = 1", C.FUNCTION_NOT_CONFIGURED),
     ],
 )
 def test_what_synchronisation_refuses(program: str, entry: object) -> None:
-    assert refused(program) is entry
+    run = decode(program)
+    assert run.problem is not None
+    assert run.problem.entry is entry
+    assert run.problem.explained()  # text and remedy can be filled in
 
 
 # -- axes and spindles ---------------------------------------------------------------------------------------------

@@ -107,7 +107,7 @@ def rotation_on(x: Execution, call: GCall) -> None:
     angle = x.values[x.block.radius] if x.block.radius >= 0 else 0.0
     x.radius_taken = True
     first, second = (words[axis] if axis in words else x.coordinates.contour_place(axis) for axis in plane)
-    rotation = x.state["rotation"] = Rotation(plane, angle, (first, second))
+    rotation = x.last_rotation = Rotation(plane, angle, (first, second))
     switch_rotation(x, rotation)
 
 
@@ -132,13 +132,13 @@ def _names(x: Execution, plane: tuple[int, int]) -> str:
 )
 def rotate(x: Execution, call: StatementCall) -> None:
     """What is not given keeps its last value."""
-    last: Rotation | None = x.state.get("rotation")
+    last = x.last_rotation
     angle, centre = (last.angle, last.centre) if last else (0.0, (0.0, 0.0))
     plane = _plane_axes(x, call.column)
     angle = call.number("ANGLE", angle) or 0.0
     given = [call.number("CENTER1"), call.number("CENTER2")]
     values = [old if new is None else x.length(new) for old, new in zip(centre, given, strict=True)]
-    rotation = x.state["rotation"] = Rotation(plane, angle, (values[0], values[1]))
+    rotation = x.last_rotation = Rotation(plane, angle, (values[0], values[1]))
     switch_rotation(x, rotation)
 
 

@@ -17,7 +17,6 @@ KNOWN = {
     "V.G.WZL": "tool data",
     "V.TOOL": "tool identification",
     "V.TLM": "tool life",
-    "V.G.TOOL_COMP": "tool compensation",
     "V.G.TOOL_LIST_INVOKE": "tool list",
     "V.G.LIMIT.KIN": "limits of the tool centre point",
     # coordinate systems and kinematics (lines 21190–21314, 21453–21458)
@@ -57,14 +56,8 @@ KNOWN = {
     "V.A.MCS": "#MCS TO WCS",
     "V.A.TRANSFORM": "#TRANSFORM",
     # state of the machine that the decoder is not told (lines 21212–21248, 21421–21423, 21460–21497)
-    "V.G.IPO_COUNT": "system time counter",
-    "V.G.EXECUTION_MODE": "mode of the program order",
-    "V.G.ACTIVE_MODE": "operating mode",
-    "V.G.AKT_PLATZ": "clamp positions",
     "V.G.CLAMP_LIST_INVOKE": "clamp positions",
     "V.G.SIGNAL_READ": "#SIGNAL READ",
-    "V.G.AX_LINK.NR": "axis couplings",
-    "V.G.AX_LINK_GROUP": "axis couplings",
     "V.G.CHAN_LIST_INVOKE": "loading of lists",
     "V.G.VE_VAR_LIST_INVOKE": "loading of lists",
     "V.G.ZERO_POINT_LIST_INVOKE": "loading of lists",
@@ -73,9 +66,7 @@ KNOWN = {
     "V.G.MAX_MOTION_BLOCKS_AHEAD": "limits of the decoding ahead",
     "V.G.MAX_TIME_AHEAD": "limits of the decoding ahead",
     "V.G.D_AKT": "tool data",
-    "V.G.MEAS_TYPE": "measuring",
     "V.G.RW": "edge banding",
-    "V.G.DIAMETER_PROG.ZERO_OFFSET": "diameter programming",
     # axes (lines 21659–21704)
     "V.A.REF": "homing",
     "V.A.RERF": "homing",

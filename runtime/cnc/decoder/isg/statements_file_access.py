@@ -21,7 +21,6 @@ from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 _EXIST = "isg.add.file-exist"
-_FOUND = "file exist"  # key in the state of an execution: what the last #FILE EXIST has found
 _MOST = 2**31 - 1
 
 
@@ -104,31 +103,24 @@ def exist(x: Execution, call: StatementCall) -> None:
     """Whether a file is there and can be opened; kept until the next question."""
     name, column = _path(call, "PATH")
     path = file_access.find(x, name, column)
-    x.state[_FOUND] = path if path is not None and os.access(path, os.R_OK) else None
-
-
-def _found(x: Execution) -> Path | None:
-    found = x.state.get(_FOUND)
-    return found if isinstance(found, Path) else None
+    x.found_file = path if path is not None and os.access(path, os.R_OK) else None
 
 
 @variable("V.G.FILE_EXIST", _EXIST, "1 if the last #FILE EXIST has found its file")
 def file_exists(x: Execution) -> float:
-    return float(_found(x) is not None)
+    return float(x.found_file is not None)
 
 
 @variable("V.G.FILE_EXIST_PATH_NAME", _EXIST, "path and name of the file found", kind=ValueKind.STRING)
 def found_path(x: Execution) -> str:
-    found = _found(x)
-    return "" if found is None else str(found)
+    return "" if x.found_file is None else str(x.found_file)
 
 
 @variable(
     "V.G.FILE_EXIST_DIRECTORY", _EXIST, "path of the file found, with a separator at its end", kind=ValueKind.STRING
 )
 def found_folder(x: Execution) -> str:
-    found = _found(x)
-    return "" if found is None else f"{found.parent}{os.sep}"
+    return "" if x.found_file is None else f"{x.found_file.parent}{os.sep}"
 
 
 # ---------------------------------------------------------------------------------------------------- #FILE NAME
@@ -143,8 +135,7 @@ def set_backups(x: Execution, call: StatementCall) -> None:
     They are on as long as both limits are above 0; naming a report file without limits switches them off (line 16405).
     """
     if call.given("MSG") or call.given("BACKUP_LINES_MAX") or call.given("BACKUP_COUNT_MAX"):
-        limits = _limit(call, "BACKUP_LINES_MAX"), _limit(call, "BACKUP_COUNT_MAX")
-        x.state[file_access.BACKUPS] = Backups(*limits)
+        x.report_backups = Backups(_limit(call, "BACKUP_LINES_MAX"), _limit(call, "BACKUP_COUNT_MAX"))
 
 
 def _limit(call: StatementCall, key: str) -> int:

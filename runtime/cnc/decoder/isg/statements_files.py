@@ -22,8 +22,7 @@ _FUNCTIONS = ("MSG", "M6", "D", *(f"G{number}" for number in CALLS))
     keys=(*(Key(name, KeyKind.NAME) for name in _FUNCTIONS), *BACKUP_KEYS),
 )
 def file_name(x: Execution, call: StatementCall) -> None:
-    """Names of files that functions use, until the program ends; `x.state["file names"]` holds them."""
-    names: dict[str, str] = x.state.setdefault("file names", {})
+    """Names of files that functions use, until the program ends."""
     set_backups(x, call)
     for argument, _ in call:
         if argument.name not in _FUNCTIONS:
@@ -32,4 +31,4 @@ def file_name(x: Execution, call: StatementCall) -> None:
         wrong = wrong_name(name)
         if wrong is not None:
             raise LineError(wrong[0], argument.column, **wrong[1])
-        names[argument.name] = name
+        x.file_names[argument.name] = name

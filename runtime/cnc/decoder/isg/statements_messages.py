@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from runtime.cnc.blocks import Message, Receiver
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.file_access import backups_of, in_folder, report_folder, report_name, require_free
+from runtime.cnc.decoder.file_access import in_folder, report_folder, report_name, require_free
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.decoder.isg.variables_stamps import stamp
 from runtime.cnc.decoder.message_text import composed, marks_of
@@ -168,7 +168,7 @@ def save(x: Execution, call: StatementCall) -> None:
     if not x.outside.changes_files():
         return
     try:
-        append(path, text, backups_of(x), x.memory)
+        append(path, text, x.report_backups, x.memory)
     except OSError as error:
         reason = error.strerror or "cannot be written"
         raise LineError(catalogue.FILE_REFUSED, call.column, file=name, reason=reason) from None

@@ -93,7 +93,7 @@ def mirror(x: Execution, axis: int) -> float:
 
 @variable("V.A.GEAR_LINK_ACTIVE.<axis>", _STATUS, "0: this control does not have the function", flush=True)
 def gear_link(x: Execution, axis: int) -> float:
-    require_absent("V.A.GEAR_LINK_ACTIVE", ("GEAR",), ())
+    require_absent("V.A.GEAR_LINK_ACTIVE", ("GEAR LINK",), ())
     return 0.0
 
 

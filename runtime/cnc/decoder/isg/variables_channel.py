@@ -7,7 +7,7 @@ from random import Random
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import Reader, variable
 from runtime.cnc.decoder.memory import TIMERS
-from runtime.cnc.decoder.modal import FeedMode
+from runtime.cnc.decoder.modal import INCH, FeedMode
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.diagnostics.catalogue import language as catalogue
@@ -16,7 +16,6 @@ from runtime.diagnostics.version import version
 _BLOCK = "isg.var.g-block-feed-circle"
 _STATE = "isg.var.g-channel-state"
 _VERSION = "isg.var.g-version-limits-signal"
-_INCH = 25.4  # mm
 
 
 def index_between(value: float, first: int, last: int, name: str) -> int:
@@ -56,7 +55,7 @@ def feed(x: Execution) -> float:
     value = modal.feed
     if modal.feed_mode is FeedMode.PER_MINUTE:
         value /= x.setup.feed_factor
-    return value / _INCH if modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION) else value
+    return value / INCH if modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION) else value
 
 
 @variable("V.G.FEEDRATE_MODE", _BLOCK, "G number of the meaning of F: 93, 94, 95 or 194")
@@ -102,6 +101,26 @@ def channel_number(x: Execution) -> float:
     return float(x.setup.channel_number)
 
 
+@variable("V.G.IPO_COUNT", _STATE, "cycles of the interpolator since the start of the control")
+def interpolator_cycles(x: Execution) -> float:
+    return float(x.outside.cycle())
+
+
+@variable("V.G.EXECUTION_MODE", _STATE, "0: the program is executed; no other purpose can be ordered")
+def execution_mode(x: Execution) -> float:
+    return 0.0
+
+
+@variable("V.G.ACTIVE_MODE", _STATE, "mode that the program was started in: 2 automatic")
+def operating_mode(x: Execution) -> float:
+    return float(x.outside.operating_mode())
+
+
+@variable("V.G.AKT_PLATZ", _STATE, "0: no clamp position is selected, this control has none")
+def clamp_position(x: Execution) -> float:
+    return 0.0
+
+
 @variable("V.G.PROG_ABS", _STATE, "1 with G90, 0 with G91")
 def absolute_dimension(x: Execution) -> float:
     return float(not x.modal.incremental)
@@ -125,10 +144,9 @@ def tool(x: Execution) -> float:
 @variable("V.G.RANDOM", _VERSION, "a number from 0 to 1, another one at each access")
 def random(x: Execution) -> float:
     """The same row of numbers in every run of a program, so that runs in virtual time can be compared."""
-    source = x.state.get("random")
-    if not isinstance(source, Random):
-        source = x.state["random"] = Random(x.frames[0].unit.name)
-    return source.random()
+    if x.random is None:
+        x.random = Random(x.frames[0].unit.name)
+    return x.random.random()
 
 
 # ---------------------------------------------------------------------------------------------------- version

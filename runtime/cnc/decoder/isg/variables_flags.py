@@ -1,6 +1,6 @@
 """V.G.…_ACTIVE: which functions are active (programming manual 21325–21447).
 
-A function that this version does not have cannot be active: its flag is 0. As soon as a statement or G function that switches it
+A function that this control does not have cannot be active: its flag is 0. As soon as a statement or G function that switches it
 on is registered, the flag is refused instead, until it is made to tell the truth.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, variable
+from runtime.cnc.decoder.isg.variables_channel import index_between
 from runtime.cnc.language.errors import CalculationError
 from runtime.diagnostics.catalogue import language as catalogue
 
@@ -30,35 +31,38 @@ def centre_corrected(x: Execution) -> float:
     return float(x.modal.centre_correction)
 
 
-# Flag → what would switch the function on: first words of statements, G numbers.
+# Flag → what would switch the function on: beginnings of statements, G numbers.
 ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
-    "TRAFO_ACTIVE": (("TRAFO", "KIN"), ()),
+    "TRAFO_ACTIVE": (("TRAFO",), ()),
     "MCS_ACTIVE": (("MCS",), ()),
-    "HSC_ACTIVE": (("HSC", "SPLINE", "AKIMA"), (151,)),
+    "HSC_ACTIVE": (("HSC", "SPLINE", "SET SPLINE"), (151,)),
     "HSC_SURFACE_ACTIVE": (("HSC",), ()),
-    "CONT_MODE_ACTIVE": (("CONTOUR",), (61, 261)),
+    "CONT_MODE_ACTIVE": ((), (61, 261)),
     "TRC_ACTIVE": ((), (41, 42)),
     "OTC_ACTIVE": (("OTC",), ()),
     "CAXTRACK_ACTIVE": (("CAXTRACK",), ()),
-    "LIFT_ACTIVE": (("LIFT",), ()),
-    "BLOCK_SEARCH_ACTIVE": (("BLOCK",), ()),
     "SEGMENTATION_ACTIVE": (("SEGMENTATION",), ()),
-    "STROKE_DEF_ACTIVE": (("STROKE",), ()),
+    "STROKE_DEF_ACTIVE": (("STROKE DEF",), ()),
     "PUNCH_ACTIVE": (("PUNCH",), ()),
     "NIBBLE_ACTIVE": (("NIBBLE",), ()),
     "EDM_ACTIVE": (("EDM",), ()),
     "FRICTION_ACTIVE": (("FRICTION",), ()),
-    "VECTOR_OFFSET_ACTIVE": (("VECTOR",), ()),
+    "VECTOR_OFFSET_ACTIVE": (("VECTOR OFFSET",), ()),
     "DIAMETER_PROG_ACTIVE": ((), (51,)),
-    "GEAR_LINK_ACTIVE": (("GEAR",), ()),
+    "DIAMETER_PROG.ZERO_OFFSET": ((), (51,)),
+    "GEAR_LINK_ACTIVE": (("GEAR LINK",), ()),
     "SINGUL_AVOID_ACTIVE": (("SINGULARITY",), ()),
-    "AX_LINK.ACTIVE": (("AX",), ()),
 }
+_COUPLING = ("AX LINK", "ENABLE AX LINK")
+_COUPLING_SPEC = "isg.var.g-link-rotation"
+_COUPLING_GROUPS = 5  # 0…4
 
 
 def require_absent(name: str, statements: tuple[str, ...], g: tuple[int, ...]) -> None:
     """CalculationError if the dialect has what switches a function on."""
-    if any(number in G_FUNCTIONS for number in g) or any(key.split()[0] in statements for key in STATEMENTS):
+    if any(number in G_FUNCTIONS for number in g) or any(
+        f"{key} ".startswith(f"{beginning} ") for beginning in statements for key in STATEMENTS
+    ):
         raise CalculationError(catalogue.VARIABLE_UNSUPPORTED, name, purpose="state of a function")
 
 
@@ -71,3 +75,49 @@ def _absent(name: str, statements: tuple[str, ...], g: tuple[int, ...]) -> None:
 
 for _name, (_statements, _g) in ABSENT.items():
     _absent(_name, _statements, _g)
+
+
+@variable("V.G.LIFT_ACTIVE", _SPEC, "0: no word lifts or lowers an axis")
+def lifting(x: Execution) -> float:
+    """X[LIFT ..] belongs to the axis word; the parser refuses it."""
+    return 0.0
+
+
+@variable("V.G.BLOCK_SEARCH_ACTIVE", _SPEC, "0: programs are started at their beginning")
+def searching(x: Execution) -> float:
+    """Whoever starts a program names no place in it."""
+    return 0.0
+
+
+@variable("V.G.MEAS_TYPE", _SPEC, "active measuring type, 1…7: the configured one (P-CHAN-00057)")
+def measuring_type(x: Execution) -> float:
+    require_absent("V.G.MEAS_TYPE", ("MEAS",), ())
+    return float(x.setup.measuring_type)
+
+
+@variable("V.G.TOOL_COMP", "isg.var.g-channel-state", "type of the active tool compensation: 0, there is none")
+def tool_compensation(x: Execution) -> float:
+    require_absent("V.G.TOOL_COMP", ("RTCP", "TLC", "TRAFO"), (41, 42))
+    return 0.0
+
+
+# ---------------------------------------------------------------------------------------------------- axis couplings
+
+
+@variable("V.G.AX_LINK.NR", _COUPLING_SPEC, "group of axis couplings that is or was active last: 0, there was none")
+def coupling_group(x: Execution) -> float:
+    require_absent("V.G.AX_LINK.NR", _COUPLING, ())
+    return 0.0
+
+
+@variable("V.G.AX_LINK.ACTIVE", _COUPLING_SPEC, "0: this control does not have axis couplings")
+def coupled(x: Execution) -> float:
+    require_absent("V.G.AX_LINK.ACTIVE", _COUPLING, ())
+    return 0.0
+
+
+@variable("V.G.AX_LINK_GROUP[].ACTIVE", _COUPLING_SPEC, "0: no group (0…4) of axis couplings is active")
+def group_coupled(x: Execution, group: float) -> float:
+    require_absent("V.G.AX_LINK_GROUP", _COUPLING, ())
+    index_between(group, 0, _COUPLING_GROUPS - 1, "V.G.AX_LINK_GROUP")
+    return 0.0

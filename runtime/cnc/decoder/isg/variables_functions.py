@@ -29,6 +29,14 @@ def _number(x: Execution, letter: str, value: float) -> int:
     return number
 
 
+def _usable(code: str, name: str, index: int) -> Synch:
+    """The type of a code or name; CalculationError for one that is unknown or not supported."""
+    try:
+        return parse_synch(code, f"{name}[{index}].SYNCH")
+    except DecoderSetupError as error:
+        raise CalculationError(error.problem.entry, name, **error.problem.values) from None
+
+
 def _functions(letter: str) -> None:
     name = f"V.G.{letter}_FCT"
 
@@ -40,20 +48,18 @@ def _functions(letter: str) -> None:
     def set_synch(x: Execution, value: float, number: float) -> None:
         index = _number(x, letter, number)
         code = round_half_up(as_number(value, name))
-        try:
-            kind = parse_synch(str(code))
-        except DecoderSetupError:
-            kind = Synch.NOT_VALID
+        shown = hex(code) if 0 <= code < _BITS else str(code)
+        kind = _usable(shown, name, index)
         if kind == Synch.NOT_VALID:
-            shown = hex(code) if 0 <= code < _BITS else str(code)
             raise CalculationError(catalogue.SYNCH_VALUE, name, value=shown)
         _table(x, letter)[index] = kind
 
-    for ahead, what in (("PATH", "path in front of the place of output"), ("TIME", "time in front of it")):
-        _ahead(letter, ahead, what)
+    _ahead(letter, "PATH", "path in front of the place of output", "MEP_SVS")
+    _ahead(letter, "TIME", "time in front of it", "MET_SVS")
 
 
-def _ahead(letter: str, ahead: str, what: str) -> None:
+def _ahead(letter: str, ahead: str, what: str, synch: str) -> None:
+    """`synch` is the type that a function gets by writing the value (line 21370)."""
     name = f"V.G.{letter}_FCT"
     path = f"{name}[].PRE_OUTP_{ahead}"
 
@@ -65,8 +71,8 @@ def _ahead(letter: str, ahead: str, what: str) -> None:
 
     @writes(path)
     def write(x: Execution, value: float, number: float) -> None:
-        _number(x, letter, number)
-        raise CalculationError(catalogue.VARIABLE_UNSUPPORTED, name, purpose="output ahead of the place")
+        index = _number(x, letter, number)
+        raise CalculationError(catalogue.PRE_OUTPUT_UNSUPPORTED, name, letter=letter, number=index, synch=synch)
 
 
 _functions("M")

@@ -11,6 +11,7 @@ from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 _INFO = "isg.var.g-program-info"
+_CYCLE = "isg.var.g-cycle-parameters"
 _TRANSFERS = 200
 
 
@@ -63,12 +64,12 @@ def file_offset(x: Execution) -> float:
     return float(x.unit.offset(x.entry))
 
 
-@variable("V.G.CYCLE_ACTIVE", "isg.sub.cycle-call", "1 if the program level is a cycle")
+@variable("V.G.CYCLE_ACTIVE", _CYCLE, "1 if the program level is a cycle")
 def cycle_active(x: Execution) -> float:
     return float(x.frame.transfer is not None)
 
 
-@variable("V.G.@P[].VALID", "isg.sub.cycle-parameters", "1 if the transfer parameter was given in the call")
+@variable("V.G.@P[].VALID", _CYCLE, "1 if the transfer parameter was given in the call")
 def transfer_valid(x: Execution, index: float) -> float:
     frame = next((frame for frame in reversed(x.frames) if frame.transfer is not None), None)
     if frame is None:
@@ -79,7 +80,9 @@ def transfer_valid(x: Execution, index: float) -> float:
 
 
 @variable(
-    "V.G.CYCLE_CHANGES_MODAL", "isg.sub.cycle-modal-state", "1: modal changes of a cycle stay behind it (P-CHAN-00210)"
+    "V.G.CYCLE_CHANGES_MODAL",
+    "isg.var.g-cycle-changes-modal",
+    "1: modal changes of a cycle stay behind it (P-CHAN-00210)",
 )
 def cycle_changes_modal(x: Execution) -> float:
     return float(x.keep_cycle_changes)

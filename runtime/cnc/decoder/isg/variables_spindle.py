@@ -59,5 +59,5 @@ def dwell_revolutions(x: Execution, spindle: int) -> float:
 
 @variable("V.SPDL_PROG.GEAR_LINK_ACTIVE.<spindle>", _SPEC, "0: this control does not have the function", flush=True)
 def gear_link(x: Execution, spindle: int) -> float:
-    require_absent("V.SPDL_PROG.GEAR_LINK_ACTIVE", ("GEAR",), ())
+    require_absent("V.SPDL_PROG.GEAR_LINK_ACTIVE", ("GEAR LINK",), ())
     return 0.0

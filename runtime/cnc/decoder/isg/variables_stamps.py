@@ -6,7 +6,6 @@ import re
 from datetime import datetime
 
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import variable, writes
 from runtime.cnc.decoder.isg.variables_channel import index_between
 from runtime.cnc.language.errors import CalculationError
@@ -41,21 +40,8 @@ def file_stamp(x: Execution) -> str:
 
 
 def _version(x: Execution) -> list[int]:
-    """The version of the level in work: its own one, else that of its caller. Levels are known by their frames."""
-    own: dict[int, tuple[Frame, list[int]]] = x.state.setdefault("program versions", {})
-    for frame in reversed(x.frames):
-        known = own.get(id(frame))
-        if known is not None and known[0] is frame:
-            return known[1]
-    return [0, 0, 0, 0]
-
-
-def _set_version(x: Execution, parts: list[int]) -> None:
-    own: dict[int, tuple[Frame, list[int]]] = x.state.setdefault("program versions", {})
-    alive = {id(frame) for frame in x.frames}
-    for key in [key for key in own if key not in alive]:
-        del own[key]
-    own[id(x.frame)] = (x.frame, parts)
+    """The version of the level in work: its own one, else that of its caller."""
+    return next((frame.version for frame in reversed(x.frames) if frame.version is not None), [0, 0, 0, 0])
 
 
 @variable(
@@ -72,7 +58,7 @@ def set_complete_version(x: Execution, value: object) -> None:
     parts = [int(part) for part in match.groups()] if match else []
     if not parts or max(parts) > _PART:
         raise CalculationError(catalogue.VERSION_FORM, "V.G.PROG_VERSION", text=text)
-    _set_version(x, parts)
+    x.frame.version = parts
 
 
 def _version_part(name: str, place: int) -> None:
@@ -86,7 +72,7 @@ def _version_part(name: str, place: int) -> None:
     def write(x: Execution, value: float) -> None:
         parts = list(_version(x))
         parts[place] = index_between(as_number(value, path), 0, _PART, path)
-        _set_version(x, parts)
+        x.frame.version = parts
 
 
 for _place, _part in enumerate(("MAJOR", "MINOR", "BUILD", "PATCH")):

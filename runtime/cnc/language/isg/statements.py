@@ -471,83 +471,13 @@ def _is_known(words: list[str]) -> bool:
 
 
 # First words of statements that the dialect has and this version has not yet.
-_KNOWN = frozenset(
-    (
-        *(
-            "ACS",
-            "AKIMA",
-            "AX",
-            "BACKWARD",
-            "BCS",
-            "BLOCK",
-            "CALL",
-            "CAX",
-            "CAXTRACK",
-            "CHANNEL",
-            "CLAMP",
-            "CLEAR",
-            "COMMAND",
-        ),
-        *(
-            "CONTOUR",
-            "CONTROL",
-            "CORNER",
-            "CS",
-            "CYL",
-            "DIST",
-            "DISTANCE",
-            "DRIVE",
-            "DYNAMIC",
-            "ECS",
-            "EDGE",
-            "EDM",
-            "ELECTRODE",
-        ),
-        *(
-            "EXPL",
-            "FACE",
-            "FGROUP",
-            "FILTER",
-            "FREE",
-            "FRICTION",
-            "GANTRY",
-            "GEAR",
-            "GET",
-            "HANDWHEEL",
-            "HSC",
-            "IDENT",
-            "JOG",
-        ),
-        *(
-            "KIN",
-            "LOAD",
-            "MACHINE",
-            "MAIN",
-            "MANUAL",
-            "MCS",
-            "MEAS",
-            "NIBBLE",
-            "OPTIONAL",
-            "ORI",
-            "OTC",
-            "OVERRIDE",
-            "PSC",
-        ),
-        *("PTP", "PUNCH", "PUT", "ROUTE", "RTCP", "SAVE", "SCENE", "SEGMENTATION", "SET", "SIGNAL", "SINGLE", "SLOPE"),
-        *(
-            "SPLINE",
-            "STROKE",
-            "SYNCH",
-            "TANGFEED",
-            "TLAX",
-            "TLC",
-            "TOOL",
-            "TRACK",
-            "TRAFO",
-            "TRANSVELMIN",
-            "TRC",
-            "TURN",
-        ),
-        *("VECTOR", "VIB", "VOLCOMP", "WAIT", "WCS"),
-    )
-)
+_KNOWN_WORDS = """
+    ACHSE ACS AKIMA AX BACKWARD BCS BLOCK BLOCKSEARCH CACHE CALL CAX CAXTRACK CHANNEL CLAMP CLEAR COMMAND
+    CONTOUR CONTROL CORNER CS CYCL CYL DEL DISABLE DIST DISTANCE DRIVE DYNAMIC ECS EDGE EDM ELECTRODE ENABLE
+    EXPL EXPORT EXTCOMP FACE FF FGROUP FILTER FREE FRICTION GANTRY GEAR GET HANDWHEEL HSC IDENT JOG KIN LAH
+    LIMIT LOAD LOCK MACHINE MAIN MANUAL MCS MEAS NIBBLE OPTIONAL ORI OTC OVERRIDE PSC PTP PUNCH PUT ROUTE RTCP
+    SAVE SCENE SEGMENTATION SET SHIFT SIGNAL SINGLE SINGULARITY SLOPE SPLINE STOP STROKE SYNC SYNCH TANGFEED
+    TLAX TLC TOOL TRACK TRAFO TRANSFORM TRANSVELMIN TRC TURN UNLOCK VECTOR VECTORACC VECTORVEL VIB VOLCOMP WAIT
+    WCS
+"""
+_KNOWN = frozenset(_KNOWN_WORDS.split())
