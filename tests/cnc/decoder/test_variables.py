@@ -344,6 +344,22 @@ def test_asynchronous_external_variables_are_read_and_written_at_once() -> None:
     assert not any(isinstance(block, (Flush, ExternalWrite)) for block in run.blocks)
 
 
+@pytest.mark.parametrize("array", ["V.P.A", "V.L.A", "P7"])
+def test_a_parameter_alone_is_an_index(array: str) -> None:
+    program = f"#VAR\n{array}[2][2] = [10, 11, 12, 13]\n#ENDVAR\nP1 = 1 P2 = 0\nP3 = {array}[P1][P2]\n{array}[P2][ P1 ] = 20\n"
+    assert values(program + f"P4 = {array}[0][1]\n#DELETE {array}\nP5 = EXIST[{array}[P1][P2]]") == {
+        1: 1,
+        2: 0,
+        3: 12,
+        4: 20,
+        5: 0,
+    }
+
+
+def test_a_label_may_be_called_like_a_parameter() -> None:
+    assert values("$GOTO [P9]\nP1 = 1\n[P9] P2 = 2\nN10 [P8] P3 = 3") == {2: 2, 3: 3}
+
+
 @pytest.mark.spec("isg.var.external-variables")
 def test_synchronous_external_variables_are_written_on_the_path_and_reading_them_flushes() -> None:
     run = decode("G01 X1 F100\nN20 V.E.SYNC = 5\nX2\nP1 = V.E.SYNC + 1\nX3", WITH_EXTERNAL)
