@@ -122,6 +122,7 @@ class Execution:
         )
         self.soft_limits = list(self.configured_limits)
         self.modulo_axes = setup.modulo_axes
+        self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else
         self.line_waits = (
             False  # a contour line waits for the next one; nothing is handed over meanwhile (see additions)
         )
@@ -238,8 +239,26 @@ class Execution:
             raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
 
     def modal_changed(self) -> None:
-        """To be called after changes of feed mode, rotation or `line_waits`: whether the fast road may be taken."""
-        self.fast = self.modal.feed_mode is FeedMode.PER_MINUTE and self.coordinates.plain and not self.line_waits
+        """To be called after changes of feed mode, rotation, `line_waits` or `path_start`: whether the fast road may be taken."""
+        self.fast = (
+            self.modal.feed_mode is FeedMode.PER_MINUTE
+            and self.coordinates.plain
+            and not self.line_waits
+            and self.path_start is None
+        )
+
+    def take_path_start(self) -> list[float]:
+        """Where a straight move starts: the position, or where the path stands behind #CHANNEL INIT [ACTPOS]."""
+        if self.path_start is None:
+            return self.coordinates.position
+        start, self.path_start = self.path_start, None
+        self.modal_changed()
+        return start
+
+    def expect_path_start(self, column: int) -> None:
+        """LineError if the path does not stand where the decoder counts from: no arc can start there."""
+        if self.path_start is not None:
+            raise LineError(catalogue.ACTUAL_FIRST, column)
 
     # ------------------------------------------------------------------ the block in work
 

@@ -1,6 +1,9 @@
-"""#GET CMDPOS, #GET ACTPOS: the positions of the machine in parameters and variables."""
+"""#GET and #CHANNEL INIT: the positions of the machine for variables and for the decoder."""
 
 from __future__ import annotations
+
+import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,9 +12,10 @@ from runtime.cnc.blocks import Floats, Flush, FlushKind
 from runtime.cnc.decoder import ProgramError
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry
-from tests.cnc.decoder.programs import Run, decode
+from tests.cnc.decoder.programs import SETUP, Run, decode
 from tests.cnc.decoder.scripted_outside import Machine
 
+_INIT = "isg.g.channel-init-cmdpos-actpos"
 _GET = "isg.g.get-cmdpos-actpos"
 
 
@@ -29,16 +33,20 @@ class Standing(Machine):
         return self.actual
 
 
-def at(text: str, command: tuple[float, ...] = (10.0, 20.0, 30.0)) -> Run:
+NUMBERED = replace(SETUP, log_axes=(4, 5, 9))
+
+
+def at(text: str, command: tuple[float, ...] = (10.0, 20.0, 30.0), start: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Run:
     """The program on a machine whose axes lag by 0.01, 0.02 and 0.03 mm."""
-    run = decode(text, outside=Standing(command, tuple(c - 0.01 * (i + 1) for i, c in enumerate(command))))
+    actual = tuple(c - 0.01 * (i + 1) for i, c in enumerate(command))
+    run = decode(text, NUMBERED, start=start, outside=Standing(command, actual))
     assert run.problem is None, run.problem
     return run
 
 
 def refused(text: str) -> ErrorEntry | None:
     try:
-        run = decode(text)
+        run = decode(text, NUMBERED)
     except ProgramError as error:
         return error.problem.entry
     return run.problem.entry if run.problem else None
@@ -101,3 +109,98 @@ def test_without_a_machine_the_decoded_position_is_meant(name: str) -> None:
 )
 def test_what_is_refused(arguments: str, entry: ErrorEntry) -> None:
     assert refused(f"#GET CMDPOS {arguments}") is entry
+
+
+# -- #CHANNEL INIT
+
+ABS = "\nP1=V.A.ABS.X P2=V.A.ABS.Y P3=V.A.ABS.Z"
+STANDS = (10.0, 20.0, 30.0)
+
+
+def way(run: Run) -> list[tuple[list[float], list[float]]]:
+    """Start and end of every motion."""
+    found = []
+    for row in run.rows:
+        begin, end = row.get("from"), row.get("to")
+        if isinstance(begin, dict) and isinstance(end, dict):
+            found.append((list(begin.values()), list(end.values())))
+    return found
+
+
+@pytest.mark.spec(_INIT)
+@pytest.mark.parametrize(
+    ("statement", "expected"),
+    [
+        ("#CHANNEL INIT [CMDPOS]", (10, 20, 30)),
+        ("#SET DEC LR SOLL", (10, 20, 30)),
+        ("#CHANNEL INIT [CMDPOS AX=Y]", (0, 20, 0)),
+        ("#CHANNEL INIT [CMDPOS AX=X AXNR=9]", (10, 0, 30)),
+        ("#CHANNEL INIT [ACTPOS]", (9.99, 19.98, 29.97)),
+        ("#CHANNEL INIT [ACTPOS AX=Y]", (10, 19.98, 30)),
+        ("#CHANNEL INIT [ACTPOS, AXNR=4, AX=Z]", (9.99, 20, 29.97)),
+    ],
+)
+def test_positions_are_taken_over_by_the_decoder(statement: str, expected: tuple[float, ...]) -> None:
+    run = at(statement + ABS)
+    assert isinstance(run.blocks[0], Flush)
+    assert tuple(run.parameters.values()) == pytest.approx(expected)
+
+
+@pytest.mark.spec(_INIT)
+def test_the_position_is_that_without_offsets_and_offsets_stay_selected() -> None:
+    run = at("G54\n#CHANNEL INIT [CMDPOS]\nP1=V.A.ABS.X P2=V.A.PROG.X\nG00 X1")
+    assert run.parameters == {1: 10, 2: -90}
+    assert way(run) == [([10, 20, 30], [101, 20, 30])]
+
+
+@pytest.mark.spec(_INIT)
+@pytest.mark.parametrize(
+    ("motion", "end"),
+    [
+        ("G01 X50 F100", [50, 19.98, 29.97]),  # an axis without a word goes to where it was measured
+        ("G00 X50 Y20 Z30", [50, 20, 30]),
+        ("G91 G01 X1 Y1 Z1 F100", [10.99, 20.98, 30.97]),
+        ("G01 #ANG=0 X50 F100", [50, 19.98, 29.97]),
+        ("G193 G01 X50 F100", [50, 19.98, 29.97]),
+        ("G01 X50 G166 E50 F100", [50, 19.98, 29.97]),
+    ],
+)
+def test_behind_actpos_the_path_goes_on_from_where_it_stands(motion: str, end: list[float]) -> None:
+    run = at(f"F100\n#CHANNEL INIT [ACTPOS]\n{motion}\nG90 G01 X60 Y0 Z0 F100\nX61", start=STANDS)
+    moves = way(run)
+    assert moves[0][0] == list(STANDS)
+    assert any(found[1] == pytest.approx(end) for found in moves)
+    for before, behind in itertools.pairwise(moves):
+        assert behind[0] == pytest.approx(before[1]), "no gap"
+    assert moves[-1][1] == [61, 0, 0]
+
+
+@pytest.mark.spec(_INIT)
+def test_feeds_of_a_whole_block_count_over_the_way_that_is_driven() -> None:
+    run = at("#CHANNEL INIT [ACTPOS AX=X]\nG93 F2\nG01 X20", start=STANDS)
+    (row,) = [row for row in run.rows if "to" in row]
+    assert row["feed"] == pytest.approx(10.0 / 2 * 60)
+
+
+@pytest.mark.spec(_INIT)
+@pytest.mark.parametrize("arc", ["G02 X2 I1", "G03 X2 R5", "G02 I1 #CANG=90", "G303 I1 J1 K0 X2 Y0 Z0"])
+def test_behind_actpos_an_arc_is_refused_until_a_straight_move_has_come(arc: str) -> None:
+    assert refused(f"#CHANNEL INIT [ACTPOS]\nF100\n{arc}") is catalogue.ACTUAL_FIRST
+    assert refused("#CHANNEL INIT [ACTPOS]\nG01 X10 F100\nG02 X12 I1") is None
+    assert refused("#CHANNEL INIT [ACTPOS]\n#CHANNEL INIT [CMDPOS]\nF100\nG02 X12 I6") is None
+
+
+@pytest.mark.spec(_INIT)
+@pytest.mark.parametrize(
+    ("arguments", "entry"),
+    [
+        ("[]", catalogue.POSITIONS_KIND),
+        ("[AX=X]", catalogue.POSITIONS_KIND),
+        ("[CMDPOS ACTPOS]", catalogue.POSITIONS_KIND),
+        ("[CMDPOS AX=Q]", catalogue.AXIS_UNKNOWN),
+        ("[CMDPOS AXNR=1]", catalogue.LOGICAL_AXIS),
+        ("[CMDPOS AXNR=4.4]", catalogue.LOGICAL_AXIS),
+    ],
+)
+def test_what_an_initialisation_refuses(arguments: str, entry: ErrorEntry) -> None:
+    assert refused(f"#CHANNEL INIT {arguments}") is entry
