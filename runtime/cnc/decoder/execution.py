@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
 from runtime.cnc.decoder.coordinates import Coordinates
 from runtime.cnc.decoder.environment import DecoderEnvironment
 from runtime.cnc.decoder.external import ExternalVariables
@@ -114,6 +114,7 @@ class Execution:
         self.end_feed: float | None = None  # E of the block in work, mm/min
         self.feed_change: tuple[FeedChange, float] | None = None  # G193, G293: the feed to begin with, mm/min
         self.feed_taken = False  # F of the block is entered
+        self.exact_stop = 0  # column of G60 in the block in work, 0 without
         self.override_off = False  # G166 in the block in work
         self.radius_taken = False  # R was the argument of a function
         self.configured_limits = tuple(
@@ -157,6 +158,13 @@ class Execution:
         """The end of a block with motion, if single block stops behind it."""
         if self.frames[-1].shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))
+
+    def stop_exactly(self, motion: bool) -> None:
+        """The end of what the block moves: the path stops here with G60 or G360. LineError for G60 without motion."""
+        if self.exact_stop and not motion:
+            raise LineError(catalogue.EXACT_STOP_ALONE, self.exact_stop)
+        if motion and (self.exact_stop or self.modal.exact_stop):
+            self.emit(ExactStop(self.source))
 
     def stepwise(self, run: Polyline) -> Iterable[Block]:
         """A run of moves as it is, or one by one where not every block is a step."""
@@ -239,12 +247,14 @@ class Execution:
             raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
 
     def modal_changed(self) -> None:
-        """To be called after changes of feed mode, rotation, `line_waits` or `path_start`: whether the fast road may be taken."""
+        """To be called after changes of feed mode, rotation, exact stop, `line_waits` or `path_start`: whether the fast road
+        may be taken."""
         self.fast = (
             self.modal.feed_mode is FeedMode.PER_MINUTE
             and self.coordinates.plain
             and not self.line_waits
             and self.path_start is None
+            and not self.modal.exact_stop
         )
 
     def take_path_start(self) -> list[float]:

@@ -880,3 +880,10 @@ ACTUAL_FIRST = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="the path stands at the command position, beside the start of this arc: write G01 to its start in front of it",
 )
+EXACT_STOP_ALONE = ErrorEntry(
+    20003,
+    "G60 in a block without motion",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write G60 into the block whose target is to be reached exactly",
+    source="programming manual line 4424",
+)
