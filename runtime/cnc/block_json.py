@@ -9,6 +9,7 @@ from runtime.cnc.blocks import (
     Arc,
     Block,
     Dwell,
+    ExactStop,
     ExternalWrite,
     Floats,
     Flush,
@@ -53,6 +54,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         yield _spatial_arc(block, axis_names)
     elif isinstance(block, Dwell):
         yield {**_source(block.source, "dwell"), "seconds": block.seconds}
+    elif isinstance(block, ExactStop):
+        yield _source(block.source, "exact stop")
     elif isinstance(block, TechnologyFunction):
         row = _source(block.source, block.kind.name.lower())
         row |= {"number": block.number, "value": block.value, "synch": block.synch.name}

@@ -198,6 +198,13 @@ class Wait:
 
 
 @dataclass(frozen=True, slots=True)
+class ExactStop:
+    """The path stands here until every axis is within its window of standstill (G60, G360)."""
+
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
 class Dwell:
     """Standstill for `seconds` (G04)."""
 
@@ -328,6 +335,7 @@ Block = (
     | Polyline
     | TechnologyFunction
     | Wait
+    | ExactStop
     | Dwell
     | Stop
     | BlockEnd

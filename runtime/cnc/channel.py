@@ -69,6 +69,7 @@ _ERROR = int(StopCondition.ERROR)
 _TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
 _MESSAGE = int(StopCondition.MESSAGE)
 _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
+_EXACT_STOP = int(StopCondition.EXACT_STOP)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -404,6 +405,8 @@ class Channel:
             return _NONE
         if gate.reason is GateReason.FLUSH_WAIT:
             return self._flush_wait()
+        if gate.reason is GateReason.EXACT_STOP:
+            return self._exact_stop()
         if gate.reason is GateReason.USER_ERROR:
             return self._user_error(gate)
         if gate.reason is GateReason.PROGRAM_END:
@@ -442,11 +445,23 @@ class Channel:
         path.open_gate()
         return _NONE
 
+    def _exact_stop(self) -> int:
+        """However long it takes: an axis that never comes there keeps the path from going on."""
+        path = self.interpolator
+        if not path.standstill or self._on_their_way():
+            return _EXACT_STOP
+        path.open_gate()
+        return _NONE
+
     def _settles(self) -> bool:
-        """The axes are still on their way to where the path stands."""
+        """The axes are still on their way to where the path stands, and have not yet taken too long for it."""
         self._settling += self.period
+        return self._settling < _SETTLED_AT_LAST and self._on_their_way()
+
+    def _on_their_way(self) -> bool:
+        """An axis is not yet within its window around where the path stands."""
         lag = np.abs(self.interpolator.position - self._actual[self._axes])
-        return self._settling < _SETTLED_AT_LAST and bool((lag > self._window).any())
+        return bool((lag > self._window).any())
 
     def _user_error(self, gate: QueueRecord) -> int:
         """The path goes no further: the alarm aborts the program here."""

@@ -56,6 +56,7 @@ class GateReason(IntEnum):
     FLUSH_WAIT = 6  # #FLUSH WAIT: everything before it has been done and taken
     MESSAGE = 7  # a message has to be taken
     USER_ERROR = 8  # #ERROR: the path goes no further
+    EXACT_STOP = 9  # every axis within its window of standstill
 
 
 class ActionKind(IntEnum):

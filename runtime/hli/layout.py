@@ -75,6 +75,7 @@ class StopCondition(IntFlag):
     TECHNOLOGY_FULL = 0x800  # no free unit: the PLC does not take its functions
     MESSAGE = 0x1000  # a message has to be taken: by SYN_ACK, by #FLUSH WAIT, or since ten of them wait
     PROGRAM_WAITS = 0x2000  # nothing is known as the decoder waits for something outside (#WAIT FOR, ACK)
+    EXACT_STOP = 0x4000  # an axis is not yet within its window of standstill
 
 
 class AxisState(IntEnum):

@@ -128,6 +128,7 @@ class WordBlocks:
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
+        x.exact_stop = 0
         x.feed_taken = x.override_off = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
@@ -161,6 +162,7 @@ class WordBlocks:
         for before in functions.leading():
             x.emit(before)
         motion = self._motion(block, values)
+        x.stop_exactly(motion and block.dwell < 0)
         for behind in functions.trailing():
             x.emit(behind)
         if block.beside is not None and not block.beside.statement.syntax.name.startswith("SUPPRESS"):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -119,6 +119,7 @@ class Execution:
         self.end_feed: float | None = None  # E of the block in work, mm/min
         self.feed_change: tuple[FeedChange, float] | None = None  # G193, G293: the feed to begin with, mm/min
         self.feed_taken = False  # F of the block is entered
+        self.exact_stop = 0  # column of G60 in the block in work, 0 without
         self.override_off = False  # G166 in the block in work
         self.radius_taken = False  # R was the argument of a function
         self.configured_limits = tuple(
@@ -127,6 +128,7 @@ class Execution:
         )
         self.soft_limits = list(self.configured_limits)
         self.modulo_axes = setup.modulo_axes
+        self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else
         self.line_waits = (
             False  # a contour line waits for the next one; nothing is handed over meanwhile (see additions)
         )
@@ -167,6 +169,13 @@ class Execution:
         """The end of a block with motion, if single block stops behind it."""
         if self.frames[-1].shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))
+
+    def stop_exactly(self, motion: bool) -> None:
+        """The end of what the block moves: the path stops here with G60 or G360. LineError for G60 without motion."""
+        if self.exact_stop and not motion:
+            raise LineError(catalogue.EXACT_STOP_ALONE, self.exact_stop)
+        if motion and (self.exact_stop or self.modal.exact_stop):
+            self.emit(ExactStop(self.source))
 
     def stepwise(self, run: Polyline) -> Iterable[Block]:
         """A run of moves as it is, or one by one where not every block is a step."""
@@ -249,8 +258,28 @@ class Execution:
             raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
 
     def modal_changed(self) -> None:
-        """To be called after changes of feed mode, rotation or `line_waits`: whether the fast road may be taken."""
-        self.fast = self.modal.feed_mode is FeedMode.PER_MINUTE and self.coordinates.plain and not self.line_waits
+        """To be called after changes of feed mode, rotation, exact stop, `line_waits` or `path_start`: whether the fast road
+        may be taken."""
+        self.fast = (
+            self.modal.feed_mode is FeedMode.PER_MINUTE
+            and self.coordinates.plain
+            and not self.line_waits
+            and self.path_start is None
+            and not self.modal.exact_stop
+        )
+
+    def take_path_start(self) -> list[float]:
+        """Where a straight move starts: the position, or where the path stands behind #CHANNEL INIT [ACTPOS]."""
+        if self.path_start is None:
+            return self.coordinates.position
+        start, self.path_start = self.path_start, None
+        self.modal_changed()
+        return start
+
+    def expect_path_start(self, column: int) -> None:
+        """LineError if the path does not stand where the decoder counts from: no arc can start there."""
+        if self.path_start is not None:
+            raise LineError(catalogue.ACTUAL_FIRST, column)
 
     # ------------------------------------------------------------------ the block in work
 

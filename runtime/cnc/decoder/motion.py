@@ -97,10 +97,12 @@ def move(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
 
 def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:
     """A straight move to a machine position; the position is not moved along."""
-    start, rapid = x.coordinates.position, x.modal.motion is Motion.RAPID
+    rapid = x.modal.motion is Motion.RAPID
     feed = math.inf
     if not rapid:
         require_feed(x, block)
+    start = x.take_path_start()
+    if not rapid:
         feed = feed_of(x, block, start, end, None)
     programmed = programmed_at(x, end)
     line = Line(
@@ -236,6 +238,7 @@ def emit_arc(
     corner: Corner | None,
 ) -> None:
     """An arc to a machine position; the position is not moved along."""
+    x.expect_path_start(block.column(WordKind.AXIS if block.axes else WordKind.INTERPOLATION))
     start = x.coordinates.position
     feed = feed_of(x, block, start, end, (plane, circle))
     arc = Arc(

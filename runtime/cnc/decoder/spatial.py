@@ -26,6 +26,7 @@ def spatial_arc(x: Execution, block: CompiledBlock, corner: Corner | None) -> No
         raise LineError(catalogue.ARC_MAIN_AXES, block.column(WordKind.G), axes=len(x.setup.axes))
     _expect_bare(x, block, corner)
     require_feed(x, block)
+    x.expect_path_start(block.column(WordKind.AXIS))
     coordinates = x.coordinates
     start = coordinates.position
     interim = coordinates.target({i: x.length(v) for i, v in x.letters.items()}, x.modal.incremental)

@@ -21,6 +21,7 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     Dwell,
+    ExactStop,
     ExternalWrite,
     Flush,
     FlushKind,
@@ -222,6 +223,8 @@ class QueueWriter:
                 record["synch"] = int(Synch.MVS_SVS) if block.before else 0
             case Dwell():
                 record["kind"], record["reason"], record["seconds"] = RecordKind.GATE, GateReason.DWELL, block.seconds
+            case ExactStop():
+                record["kind"], record["reason"] = RecordKind.GATE, GateReason.EXACT_STOP
             case Stop():
                 record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
             case BlockEnd():

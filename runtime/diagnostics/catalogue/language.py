@@ -870,3 +870,27 @@ SINGLE_STEP = ErrorEntry(
     300176, "#SINGLE STEP takes exactly one of DISABLE, ENABLE, RESOLUTION", reaction=Reaction.STOP_AT_BLOCK_END
 )
 RESOLUTION_INVALID = ErrorEntry(300174, "RESOLUTION={value:.9g}: at least 1", reaction=Reaction.STOP_AT_BLOCK_END)
+POSITIONS_KIND = ErrorEntry(
+    300480,
+    "#CHANNEL INIT takes exactly one of CMDPOS and ACTPOS, in front of the axes",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+LOGICAL_AXIS = ErrorEntry(
+    300481,
+    "no axis of the channel has the logical number {value:.9g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="{known}",
+)
+ACTUAL_FIRST = ErrorEntry(
+    300482,
+    "the first motion behind #CHANNEL INIT [ACTPOS] has to be straight",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the path stands at the command position, beside the start of this arc: write G01 to its start in front of it",
+)
+EXACT_STOP_ALONE = ErrorEntry(
+    20003,
+    "G60 in a block without motion",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write G60 into the block whose target is to be reached exactly",
+    source="programming manual line 4424",
+)

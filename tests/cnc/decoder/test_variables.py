@@ -344,6 +344,22 @@ def test_asynchronous_external_variables_are_read_and_written_at_once() -> None:
     assert not any(isinstance(block, (Flush, ExternalWrite)) for block in run.blocks)
 
 
+@pytest.mark.parametrize("array", ["V.P.A", "V.L.A", "P7"])
+def test_a_parameter_alone_is_an_index(array: str) -> None:
+    program = f"#VAR\n{array}[2][2] = [10, 11, 12, 13]\n#ENDVAR\nP1 = 1 P2 = 0\nP3 = {array}[P1][P2]\n{array}[P2][ P1 ] = 20\n"
+    assert values(program + f"P4 = {array}[0][1]\n#DELETE {array}\nP5 = EXIST[{array}[P1][P2]]") == {
+        1: 1,
+        2: 0,
+        3: 12,
+        4: 20,
+        5: 0,
+    }
+
+
+def test_a_label_may_be_called_like_a_parameter() -> None:
+    assert values("$GOTO [P9]\nP1 = 1\n[P9] P2 = 2\nN10 [P8] P3 = 3") == {2: 2, 3: 3}
+
+
 @pytest.mark.spec("isg.var.external-variables")
 def test_synchronous_external_variables_are_written_on_the_path_and_reading_them_flushes() -> None:
     run = decode("G01 X1 F100\nN20 V.E.SYNC = 5\nX2\nP1 = V.E.SYNC + 1\nX3", WITH_EXTERNAL)
@@ -745,6 +761,7 @@ def test_coordinates_of_the_block_before() -> None:
     assert found == pytest.approx({1: 3, 2: 105, 3: 5, 4: 6, 5: 16, 6: 5, 7: 105, 8: 1, 9: 1})
 
 
+@pytest.mark.spec("isg.var.a-limits-offsets")
 def test_limits_and_status_of_axes() -> None:
     setup = replace(SETUP, position_limits=((-10.0, 254.0), (None, None), (None, 5.0)), log_axes=(4, 5, 9))
     program = (
@@ -760,6 +777,45 @@ def test_limits_and_status_of_axes() -> None:
     assert values(narrower, setup=setup) == {1: -5, 2: -10, 3: 4, 4: 254}
 
 
+def test_mode_of_linear_and_modulo_axes() -> None:
+    setup = replace(
+        SETUP,
+        axes=("X", "A", "C"),
+        linear=(True, False, False),
+        position_limits=((None, None), (-90.0, 90.0), (None, None)),
+        zero_offsets={},
+    )
+    asked = "P1=V.A.MODE.X P2=V.A.MODE.C P3=V.A.MODULO_VALUE.X P4=V.A.MODULO_VALUE.A P5=V.A.MODULO_VALUE.C"
+    assert values(asked, setup=setup) == {1: 1, 2: 4, 3: 0, 4: 0, 5: 360}
+    assert refused("P1=V.A.MODE.A", setup=setup) is C.VARIABLE_UNSUPPORTED
+
+
+@pytest.mark.parametrize(
+    ("name", "g"),
+    [("RERF", 74), ("DIAMETER_PROG.ABS", 51), ("DIAMETER_PROG.REL", 51), ("AXIS_DEACTIVATED", None)],
+)
+def test_a_state_that_no_axis_can_get_into(name: str, g: int | None) -> None:
+    assert g not in G_FUNCTIONS  # else the variable has to tell what it does
+    assert value(f"V.A.{name}.X") == 0
+
+
+def test_asking_whether_an_axis_is_parked_flushes() -> None:
+    assert isinstance(decode("P1=V.A.AXIS_DEACTIVATED.X").blocks[0], Flush)
+
+
+@pytest.mark.spec("isg.var.a-limits-offsets")
+def test_the_reference_point_is_not_known_before_a_reference_run() -> None:
+    assert 74 not in G_FUNCTIONS
+    assert values("G92 X10\nG00 X5\nP1=V.A.REF.X", start=(3.0, 0.0, 0.0)) == {1: 0}
+
+
+@pytest.mark.spec("isg.var.a-limits-offsets")
+@pytest.mark.parametrize("name", ["-SWE", "+SWE", "-SWE_MDS", "+SWE_MDS", "REF", "BZP", "PZV"])
+def test_limits_and_offsets_can_only_be_read(name: str) -> None:
+    assert refused(f"V.A.{name}.X = 1") is C.VARIABLE_READ_ONLY
+
+
+@pytest.mark.spec("isg.var.a-limits-offsets")
 def test_offsets_of_axes() -> None:
     assert values("G92 X10\nG00 X0\nP1=V.A.BZP.X P2=V.A.ABS.X P3=V.A.BZP.Y") == {1: 10, 2: 10, 3: 0}
 

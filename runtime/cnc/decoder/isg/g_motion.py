@@ -10,6 +10,7 @@ from runtime.cnc.decoder.modal import Motion
 from runtime.cnc.decoder.motion import dwell_time
 from runtime.cnc.language.isg.syntax import Form, Group, Values
 
+_EXACT_STOP = "isg.g.exact-stop"
 _CENTRE = "isg.g.circular-centre-g02-g03"
 
 
@@ -79,6 +80,24 @@ def centre_corrected(x: Execution, call: GCall) -> None:
 @g_function(303, Group.PATH_CONDITION, "isg.g.arc-in-space-g303", syntax="G303 I.. J.. K.. X.. Y.. Z..")
 def arc_in_space(x: Execution, call: GCall) -> None:
     x.modal.motion = Motion.ARC_IN_SPACE
+
+
+@g_function(60, Group.EXACT_STOP, _EXACT_STOP, modal=False)
+def exact_stop(x: Execution, call: GCall) -> None:
+    """Acts behind the motion of the block: see Execution.stop_exactly."""
+    x.exact_stop = call.column
+
+
+@g_function(360, Group.EXACT_STOP, _EXACT_STOP)
+def exact_stop_on(x: Execution, call: GCall) -> None:
+    x.modal.exact_stop = True
+    x.modal_changed()
+
+
+@g_function(359, Group.EXACT_STOP, _EXACT_STOP)
+def exact_stop_off(x: Execution, call: GCall) -> None:
+    x.modal.exact_stop = False
+    x.modal_changed()
 
 
 def _corner(number: int, kind: CornerKind) -> None:

@@ -68,8 +68,6 @@ KNOWN = {
     "V.G.D_AKT": "tool data",
     "V.G.RW": "edge banding",
     # axes (lines 21659–21704)
-    "V.A.REF": "homing",
-    "V.A.RERF": "homing",
     "V.A.MESS": "measuring",
     "V.A.MEAS": "measuring",
     "V.A.MOFFS": "measuring",
@@ -77,11 +75,7 @@ KNOWN = {
     "V.A.MEIN": "measuring",
     "V.A.MANUAL_OFFSETS": "#GET MANUAL OFFSETS",
     "V.A.SOFFS": "#GET MANUAL OFFSETS",
-    "V.A.MODE": "axis mode",
-    "V.A.MODULO_VALUE": "modulo axes",
-    "V.A.AXIS_DEACTIVATED": "parked axes",
     "V.A.ENCODER2_VALUE": "second encoders",
-    "V.A.DIAMETER_PROG": "diameter programming",
     "V.A.ANTR_TYP": "drive types",
     "V.A.TORQUE_NOM": "drive data",
     # spindles (lines 21767–21802)

@@ -16,6 +16,8 @@ _LIMITS = "isg.var.a-limits-offsets"
 _STATUS = "isg.var.a-axis-status"
 _COMPENSATIONS = "isg.var.a-compensations"
 _LENGTH = "mm, inch, deg"
+_REFERENCE_RUN = (74,)
+_LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
 
 
 # ---------------------------------------------------------------------------------------------------- coordinates
@@ -61,6 +63,12 @@ _limit("-SWE_MDS", 0, True, "configured software limit in the negative direction
 _limit("+SWE_MDS", 1, True, "configured software limit in the positive direction")
 
 
+@variable("V.A.REF.<axis>", _LIMITS, "machine reference point; 0, since no reference run is made", unit=_LENGTH)
+def reference_point(x: Execution, axis: int) -> float:
+    require_absent("V.A.REF", (), _REFERENCE_RUN)
+    return 0.0
+
+
 @variable("V.A.BZP.<axis>", _LIMITS, "reference point offset (G92)", unit=_LENGTH)
 def reference_offset(x: Execution, axis: int) -> float:
     return x.shown(axis, x.coordinates.offsets.reference[axis])
@@ -89,6 +97,43 @@ def list_name(x: Execution, axis: int) -> str:
 @variable("V.A.MIRROR.<axis>", _STATUS, "-1 while the axis is mirrored, else 1")
 def mirror(x: Execution, axis: int) -> float:
     return x.coordinates.mirror_plane[axis] * x.coordinates.mirror_axis[axis]
+
+
+@variable("V.A.RERF.<axis>", _STATUS, "0: no reference run is made, encoders are absolute")
+def referenced(x: Execution, axis: int) -> float:
+    require_absent("V.A.RERF", (), _REFERENCE_RUN)
+    return 0.0
+
+
+@variable("V.A.MODE.<axis>", _STATUS, "axis mode: 1 linear, 4 turns without end")
+def mode(x: Execution, axis: int) -> float:
+    if x.setup.linear[axis]:
+        return float(_LINEAR)
+    if axis not in x.modulo_axes:
+        purpose = "the mode of a rotary axis with limits"
+        raise CalculationError(catalogue.VARIABLE_UNSUPPORTED, "V.A.MODE", purpose=purpose)
+    return float(_MODULO)
+
+
+@variable("V.A.MODULO_VALUE.<axis>", _STATUS, "modulo range, 0 for an axis that has none", unit="deg")
+def modulo_range(x: Execution, axis: int) -> float:
+    return 360.0 if axis in x.modulo_axes else 0.0
+
+
+@variable("V.A.AXIS_DEACTIVATED.<axis>", _STATUS, "0: axes cannot be parked", flush=True)
+def parked(x: Execution, axis: int) -> float:
+    return 0.0
+
+
+def _diameter(kind: str) -> None:
+    @variable(f"V.A.DIAMETER_PROG.{kind}.<axis>", _STATUS, "0: this control has no diameter programming")
+    def read(x: Execution, axis: int) -> float:
+        require_absent(f"V.A.DIAMETER_PROG.{kind}", (), (51,))
+        return 0.0
+
+
+_diameter("ABS")
+_diameter("REL")
 
 
 @variable("V.A.GEAR_LINK_ACTIVE.<axis>", _STATUS, "0: this control does not have the function", flush=True)

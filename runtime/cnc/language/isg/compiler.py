@@ -112,7 +112,10 @@ class DeclarationSlots:
 
 @dataclass(frozen=True, slots=True)
 class StatementSlots:
-    """A # statement with the slots of its arguments, -1 where an argument has no expression; and those of indices."""
+    """A # statement with the slots of its arguments, -1 where an argument has no expression; and those of indices.
+
+    The value of an argument with a target is the function that writes to it.
+    """
 
     statement: ParsedStatement
     slots: tuple[int, ...]
@@ -210,6 +213,10 @@ class _Emitter:
             self.slots.append(repr(expression.constant))
             self.constants.append(expression.constant)
         return index
+
+    def writer(self, target: str) -> int:
+        """The slot of a function that writes its argument to a target of a # statement."""
+        return self.slot(Expression(f"lambda value: {target.replace('{}', 'value', 1)}"))
 
     def given(self, values: tuple[Expression | None, ...]) -> tuple[int, ...]:
         """Values of a call that become transfer parameters one after the other: a later one may name an earlier one
@@ -391,7 +398,10 @@ def _compile_control(
 def _statement(statement: ParsedStatement | None, emitter: _Emitter) -> StatementSlots | None:
     if statement is None:
         return None
-    slots = tuple(emitter.slot(argument.value) for argument in statement.arguments)
+    slots = tuple(
+        emitter.writer(argument.target) if argument.target else emitter.slot(argument.value)
+        for argument in statement.arguments
+    )
     indices = tuple(tuple(emitter.slot(index) for index in argument.indices) for argument in statement.arguments)
     return StatementSlots(statement, slots, indices)
 
