@@ -23,7 +23,7 @@ def problem_of(event: DriveEvent, machine: Machine) -> Problem:
 
 
 def _meaning(event: DriveEvent) -> str:
-    if event.text:
+    if event.text or event.error_id == catalogue.NODE_REJOINED.id:
         return event.text
     if event.error_id == catalogue.NODE_LEFT_OPERATIONAL.id:
         return nmt_state_text(event.code)

@@ -143,6 +143,7 @@ def test_an_io_node_comes_back_with_its_outputs(rig: Rig) -> None:
     rig.cycle(5)
     assert not rig.simulated.ios[10].output_states()["coolant_pump"]
     assert rig.run_until(lambda: back(rig, 10), 5.0)
+    assert rig.problems()[-1].text == "node 10 (I/O node 0) is back in operation"
     rig.cycle(10)
     assert rig.simulated.ios[10].output_states()["coolant_pump"]
     assert rig.image.digital_in[0] & 0b10_0000  # the door is closed

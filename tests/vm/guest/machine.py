@@ -35,7 +35,7 @@ def description(channel: str) -> dict[str, Any]:
     # Below the interrupt threads of a PREEMPT_RT kernel (50): an emulator that is late in every cycle would leave them no time.
     machine["cycle"] = {"period": f"{PERIOD_MS} ms", "priority": 40}
     machine["fieldbus"]["bus"] = {
-        "interface": "socketcan", "channel": channel, "heartbeat": "200 ms", "heartbeat_timeout": "2 s",
+        "interface": "socketcan", "channel": channel, "heartbeat": "200 ms", "heartbeat_timeout": "5 s",
         "boot_timeout": "30 s",
     }  # fmt: skip
     for axis in machine["axes"]:
