@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import sys
+from dataclasses import asdict
 from typing import Annotated
 
 import typer
@@ -23,12 +25,20 @@ SECTIONS = {
 
 def command(
     word: Annotated[str, typer.Argument(help="Only what has this in its name or syntax.", show_default=False)] = "",
+    as_json: Annotated[bool, typer.Option("--json", help="For editors: a list of objects.")] = False,
     section: Annotated[str, typer.Option(help=f"Only one section: {', '.join(SECTIONS)}.", show_default=False)] = "",
 ) -> None:
     """Print every function of the language with its syntax."""
     if section and section not in SECTIONS:
         typer.echo(f"section {section!r} does not exist; sections: {', '.join(SECTIONS)}", err=True)
         raise typer.Exit(1)
+    if as_json:
+        chosen = {key: rows() for key, (_, rows) in SECTIONS.items() if section in ("", key)}
+        found_rows = [
+            {"section": key, **asdict(row)} for key, rows in chosen.items() for row in rows if _matches(row, word)
+        ]
+        sys.stdout.write(json.dumps(found_rows, ensure_ascii=False, indent=1) + "\n")
+        return
     console = Console(width=None if sys.stdout.isatty() else 140)
     found = False
     for key, (title, rows) in SECTIONS.items():

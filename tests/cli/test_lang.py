@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from runtime.cli.main import main
@@ -34,3 +36,10 @@ def test_what_does_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
     assert "no-such-thing" in capsys.readouterr().err
     assert main(["lang", "--section", "x"]) == 1
     assert "sections: g," in capsys.readouterr().err
+
+
+def test_editors_get_objects(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = json.loads(printed(capsys, "--json", "--section", "g"))
+    assert len(rows) == len(G_FUNCTIONS)
+    plane = next(row for row in rows if row["name"] == "G17")
+    assert plane == {"section": "g", "name": "G17", "syntax": "G17", "holds": "modal", "meaning": "plane"}
