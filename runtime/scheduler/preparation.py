@@ -98,11 +98,15 @@ class Preparation:
                 return PumpState.HELD
         return state
 
-    def _begin(self) -> None:
-        order = self._link.read_start()
+    def close(self) -> None:
+        """Give back the files of the last program."""
         if self._program is not None:
             self._program.close()
             self._program = None
+
+    def _begin(self) -> None:
+        order = self._link.read_start()
+        self.close()
         self._flushes = 0
         try:
             source = self._source(order, self._outside)

@@ -301,8 +301,9 @@ class Simulation:
         )
 
     def close(self, result: Result | None = None) -> None:
-        """Write what stands at the end of the trace, leave the bus."""
+        """Write what stands at the end of the trace, leave the bus, give back the program's files."""
         self.drives.stop()
+        self.preparation.close()
         while self._leave_bus:
             self._leave_bus.pop()()
         if self.writer is not None and self.samples is not None:
