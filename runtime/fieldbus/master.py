@@ -386,7 +386,7 @@ class CanopenMaster:
             if refusal := rejoin.refusal:
                 rejoin.refusal = None
                 event = rejoin.link.event(catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text)
-                if event != rejoin.told:  # it is tried again and again, and told once
+                if rejoin.told is None or event.code != rejoin.told.code:  # tried again and again, told once
                     rejoin.told = event
                     self.image.events.append(event)
             if joined:

@@ -20,7 +20,8 @@ from runtime.fieldbus.boot import OPERATIONAL
 from runtime.fieldbus.dialogue import Access, Dialogue, NodeDialogues, aborted, decoded, encoded, silent
 from runtime.fieldbus.links import DriveLink, IoLink
 
-ANSWER_LIMIT: Final = 1.0  # s for an SDO answer
+ANSWER_LIMIT: Final = 0.5  # s for an SDO answer
+QUESTIONS: Final = 3  # times that the same is asked
 BOOT_LIMIT: Final = 3.0  # s for the boot-up message, and for the first heartbeat in operation
 PAUSE: Final = 2.0  # s after a refusal until it is tried again
 
@@ -60,6 +61,8 @@ class Rejoin:
         self._dialogue: Dialogue | None = None
         self._access: Access | None = None
         self._answer: bytes | None = None
+        self._frame = b""  # the question that is outstanding
+        self._questions = 0  # how often it was asked
 
     def on_heartbeat(self, state: int) -> None:
         """A sign of life of the node: its NMT state."""
@@ -131,7 +134,16 @@ class Rejoin:
             else:
                 self._go_on(number, now)
         elif now > self._limit:
-            self._refuse(silent(self.link, self._access, "no answer"), now)
+            if self._questions < QUESTIONS:
+                self._question(now)
+            else:
+                self._refuse(silent(self.link, self._access, "no answer"), now)
+
+    def _question(self, now: float) -> None:
+        """Ask, or ask again: question or answer may have been lost, and all of them may be carried out twice."""
+        self._questions += 1
+        self._limit = now + ANSWER_LIMIT
+        self._send(0x600 + self.link.node, self._frame)
 
     def _understood(self, access: Access, answer: bytes) -> int:
         """The number in an answer, 0 for a write. Raises FieldbusError."""
@@ -169,6 +181,5 @@ class Rejoin:
         except TandemError as error:
             self._refuse(error, now)
         else:
-            self._access = access
-            self._limit = now + ANSWER_LIMIT
-            self._send(0x600 + self.link.node, frame)
+            self._access, self._frame, self._questions = access, frame, 0
+            self._question(now)

@@ -135,6 +135,25 @@ def test_a_node_that_falls_silent_again_on_its_way_back(rig: Rig) -> None:
     assert rig.run_until(lambda: back(rig, 2), 8.0)
 
 
+def test_a_lost_answer_is_asked_for_again(rig: Rig) -> None:
+    send = rig.simulated._network.send_message
+    lost = 0
+
+    def every_tenth_lost(can_id: int, data: bytes, remote: bool = False) -> None:
+        nonlocal lost
+        if can_id == 0x582:
+            lost += 1
+            if lost % 10 == 0:
+                return
+        send(can_id, data, remote)
+
+    rig.simulated._network.send_message = every_tenth_lost  # type: ignore[method-assign]
+    rig.simulated.inject(2, Fault.REBOOT)
+    assert rig.run_until(lambda: back(rig, 2), 10.0)
+    assert lost > 40
+    assert catalogue.REJOIN_REFUSED.id not in rig.event_ids()
+
+
 def test_an_io_node_comes_back_with_its_outputs(rig: Rig) -> None:
     rig.image.digital_out[0] = 0b10
     rig.cycle(300)

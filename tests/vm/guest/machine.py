@@ -39,7 +39,7 @@ def description(channel: str) -> dict[str, Any]:
         "boot_timeout": "30 s",
     }  # fmt: skip
     for axis in machine["axes"]:
-        axis["following_error"] = 50.0  # a cycle of 20 ms at 400 mm/s is 8 mm, and a late one more
+        axis["following_error"] = 500.0  # an emulator on a busy host is late by many cycles: no lag is judged here
     machine["plc"] |= {"every": 4, "watchdog": "3 s"}
     machine["state_directory"] = "/run/tmp/state"
     return machine
@@ -62,7 +62,7 @@ class GuestMachine:
         for side, channel in (("master", "can0"), ("drives", "can1")):
             files[side] = Path(f"/run/tmp/{side}.yaml")
             files[side].write_text(yaml.safe_dump(description(channel)))
-        self.wire = self._spawn("wire", ["-m", "tests.vm.guest.wire_log", "can1", str(self.folder / "wire.bin")])
+        self.wire = self._spawn("wire", ["-m", "tests.vm.guest.wire_log", "can0", str(self.folder / "wire.bin")])
         self.drives = self._spawn(
             "drives", ["-m", "runtime.fieldbus.simulator", "--machine", str(files["drives"]), "--commands"]
         )

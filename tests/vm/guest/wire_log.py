@@ -1,4 +1,6 @@
-"""A third station on the wire that only listens: every frame goes into a file, with the time at which the kernel got it.
+"""A listener beside the master: every frame goes into a file, with the time at which the kernel got it.
+
+On the master's card, where the kernel hands over what was sent without loss; a card that receives has room for six frames.
 
 python -m tests.vm.guest.wire_log INTERFACE FILE         until SIGTERM; a record: `RECORD`
 """
