@@ -11,6 +11,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from runtime.cli.explained import explained
 from runtime.cnc.block_json import rows
 from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program
 from runtime.config.loader import load_machine
@@ -49,4 +50,4 @@ def command(
 def _tell(error: TandemError) -> None:
     problems = error.problems if isinstance(error, ProgramError) else (error.problem,)
     for problem in problems:
-        typer.echo(str(problem), err=True)
+        typer.echo(explained(problem), err=True)

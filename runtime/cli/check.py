@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn
 
+from runtime.cli.explained import explained
 from runtime.cnc.decoder import (
     DIALECTS,
     Decoder,
@@ -43,19 +44,22 @@ def command(
     ] = None,
     dialect: Annotated[str, typer.Option(help=f"Dialect of the programs: {' or '.join((*DIALECTS, 'nct'))}.")] = "isg",
 ) -> None:
-    """Parse and decode programs without motion. Errors as file:line:column: id: text; exit code 1 if there are any."""
+    """Parse and decode programs without motion; exit code 1 if there are errors.
+
+    Each is told as file:line:column: id: text, then the block with a marker under the place, then a hint where one helps.
+    """
     try:
         machine = load_machine(config)
         setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
     except TandemError as error:
         for problem in error.problems:
-            typer.echo(str(problem), err=True)
+            typer.echo(problem.explained(), err=True)
         raise typer.Exit(1) from None
     failed = False
     for file in files:
         problems, warnings = check(file, setup, limits, dialect)
         for problem in (*problems, *warnings):
-            typer.echo(str(problem))
+            typer.echo(explained(problem))
         failed |= bool(problems)
     raise typer.Exit(int(failed))
 

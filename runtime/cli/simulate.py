@@ -26,6 +26,7 @@ def command(
     ] = None,
 ) -> None:
     """Run a program in virtual time, as fast as the computer can; exit code 1 if it ends with an error."""
+    from runtime.cli.explained import explained
     from runtime.cli.preparing import prepare_kernels
     from runtime.cnc.decoder import expect_dialect
     from runtime.config import load_machine
@@ -34,7 +35,7 @@ def command(
     from runtime.scheduler.simulation import Simulation
 
     if watch:
-        raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="there are no V. variables yet")
+        raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="no variable is recorded yet")
     expect_dialect(dialect, str(file))
     if plot is not None:
         plot.open("ab").close()  # fails now, not after the program
@@ -54,8 +55,8 @@ def command(
     if progress:
         print(file=sys.stderr)
     simulation.close(result)
-    for problem in result.problems:
-        print(problem, file=sys.stderr)
+    for problem in simulation.errors:
+        print(explained(problem), file=sys.stderr)
     print(f"time {result.time:.3f} s, path {result.path_length:.3f} mm, {result.cycles} cycles")
     print("end position " + "  ".join(f"{name} {value:.4f}" for name, value in result.positions.items()))
     samples = simulation.samples

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+WINDOW = 120  # characters of a long line that are shown around a place
+
 
 class Severity(IntEnum):
     """How bad it is; the order is the order of badness."""
@@ -78,15 +80,25 @@ class Problem:
         place = f"{self.place}: " if self.place.file or self.place.line else ""
         return f"{place}{self.entry.id}: {self.text}"
 
+    @property
+    def hint(self) -> str:
+        """The remedy; none if it names values that stayed behind in the process of the error."""
+        try:
+            return self.entry.remedy.format(**self.values)
+        except KeyError:
+            return ""
+
     def explained(self) -> str:
         """The message, then the program line with a marker under the place, then the remedy; several lines."""
         lines = [str(self)]
         if self.place.text:
-            lines.append(f"    {self.place.text}")
+            first = max(0, self.place.column - 1 - WINDOW // 2)  # of a long line, the part around the place
+            lines.append("    " + self.place.text[first : first + WINDOW])
             if self.place.column:
-                lines.append("    " + " " * (self.place.column - 1) + "^")
-        if self.entry.remedy:
-            lines.append(f"    hint: {self.entry.remedy.format(**self.values)}")
+                before = self.place.text[first : self.place.column - 1]
+                lines.append("    " + "".join("\t" if char == "\t" else " " for char in before) + "^")
+        if self.hint:
+            lines.append(f"    hint: {self.hint}")
         return "\n".join(lines)
 
 

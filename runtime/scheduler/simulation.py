@@ -294,11 +294,16 @@ class Simulation:
             time=time,
             path_length=self.controller.channel.path_length,
             positions={name: float(image.target_position[self.machine.axis_index(name)]) for name in names},
-            problems=[_told(problem) for problem in self.problems if problem.entry.severity >= Severity.ERROR],
+            problems=[_told(problem) for problem in self.errors],
             events=list(self.log),
             parameters=dict(decoder.parameters) if decoder else {},
             cycles=self.controller.cycle_number,
         )
+
+    @property
+    def errors(self) -> list[Problem]:
+        """The alarms so far, without warnings."""
+        return [problem for problem in self.problems if problem.entry.severity >= Severity.ERROR]
 
     def close(self, result: Result | None = None) -> None:
         """Write what stands at the end of the trace, leave the bus, give back the program's files."""

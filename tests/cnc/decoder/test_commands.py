@@ -63,8 +63,14 @@ def test_check_tells_file_line_column_id_text(run: CliRunner) -> None:
     assert result.exit_code == 1
     assert result.stdout.splitlines() == [
         "a.nc:2:4: 300032: G777 is not a G function",
+        "    N2 G777 X2",
+        "       ^",
         "b.nc:2:5: 300090: G01 without a feed",
+        "    G01 X2",
+        "        ^",
+        "    hint: program F before or in this block",
         "none.nc: 300001: program file none.nc does not exist",
+        "    hint: check the name and the program paths",
     ]
 
 
@@ -153,7 +159,7 @@ def test_blocks_tells_errors_on_standard_error(run: CliRunner) -> None:
     result = run.invoke(APP, ["blocks", "a.nc"])
     assert result.exit_code == 1
     assert len(result.stdout.splitlines()) == 1
-    assert result.stderr == "a.nc:2:8: 300055: division by zero\n"
+    assert result.stderr == "a.nc:2:8: 300055: division by zero\n    P1 = 1 / 0\n           ^\n"
     result = run.invoke(APP, ["blocks", "none.nc"])
     assert result.exit_code == 1
     assert "300001" in result.stderr

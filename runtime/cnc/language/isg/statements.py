@@ -94,7 +94,7 @@ class StatementParser:
 
     def _named(self, text: str, at: StatementStart) -> tuple[StatementSyntax, int]:
         """The statement with the longest name that fits, and where its arguments begin."""
-        position = at.start + (1 if at.hash else 0)
+        begin = position = at.start + (1 if at.hash else 0)
         if at.hash and text[position : position + 1].isspace():
             raise LineError(catalogue.STATEMENT_BLANK, at.start + 1)
         words: list[str] = []
@@ -119,7 +119,7 @@ class StatementParser:
             )
             if glued and not prefix:
                 return syntax, at.start + 1 + len(name)
-        name = " ".join(words) or text[at.start : at.start + 10]
+        name = " ".join(words) or text[begin : begin + 10].strip()
         entry = catalogue.STATEMENT_UNSUPPORTED if _is_known(words) else catalogue.STATEMENT_UNKNOWN
         raise LineError(entry, at.start + 1, name=name)
 
