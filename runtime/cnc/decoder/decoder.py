@@ -14,7 +14,7 @@ from runtime.cnc.decoder.block import WordBlocks
 from runtime.cnc.decoder.corners import Corners
 from runtime.cnc.decoder.cycles import after_block
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.flow import Flow
+from runtime.cnc.decoder.flow import Flow, OutOfStepError
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.geometry_error import GeometryError
 from runtime.cnc.decoder.levels import Levels
@@ -30,7 +30,7 @@ from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock
 from runtime.cnc.language.isg.functions import round_half_up
-from runtime.cnc.language.isg.index import Unit
+from runtime.cnc.language.isg.index import MIDDLE, Unit
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
@@ -46,6 +46,11 @@ def _never() -> bool:
 
 def _no_levels() -> int:
     return 0
+
+
+def _reached_from_above(block: CompiledBlock) -> bool:
+    """Whether the block is the head of a branch: as a block of its own it only leads out, its condition is not asked."""
+    return block.control is not None and block.control.control in MIDDLE
 
 
 class Decoder:
@@ -168,9 +173,17 @@ class Decoder:
                 block = x.compiled(unit, entry)
                 if block.skip_level and x.skip_levels() >> (block.skip_level - 1) & 1:
                     continue
-                if block.flush and not repeating and not x.line_waits:
+                flushes = block.flush and not _reached_from_above(block)
+                if flushes and not repeating and not x.line_waits:
                     yield from self._flushed(unit, block)
-                self._execute(frame, entry, block)
+                self._flow.in_step = flushes
+                try:
+                    self._execute(frame, entry, block)
+                except OutOfStepError:
+                    self._no_line_here(unit, block)
+                    yield from self._flushed(unit, block)
+                    self._flow.in_step = True
+                    self._execute(frame, entry, block)
                 repeating = x.again is not None
                 if x.again is not None:
                     yield from self._handed_over()
@@ -204,6 +217,13 @@ class Decoder:
         """The preparation comes into step with the interpolator before a block that reads something of it."""
         yield from self._handed_over()
         yield Flush(Source(unit.name, block.source.line), FlushKind.WAIT)
+
+    def _no_line_here(self, unit: Unit, block: CompiledBlock) -> None:
+        """No contour line may be waiting at a block that flushes."""
+        try:
+            additions.expect_no_line(self._x)
+        except GeometryError as error:
+            raise self._error(unit, 1, block, error.entry, dict(error.values)) from None
 
     def _expect_no_line(self, unit: Unit) -> None:
         """The program is over: no contour line may be waiting. The place is the last block."""
@@ -263,6 +283,8 @@ class Decoder:
                 return
             values = block.values()
             if block.control is not None:
+                if block.flush and not _reached_from_above(block):
+                    additions.expect_no_line(x)
                 if frame is not None:
                     self._flow.control(frame, entry, block, values)
                 return

@@ -18,6 +18,10 @@ TRUE_FROM = 0.5  # conditions: |value| from here on is true (programming manual 
 CASE_EQUAL = 0.001  # $CASE: values that are nearer to each other are equal (line 8465)
 
 
+class OutOfStepError(Exception):
+    """The condition of a branch reads something of the interpolator, and the block at which it is asked for has not flushed."""
+
+
 def true(value: float) -> bool:
     """Whether a condition holds."""
     return abs(value) >= TRUE_FROM
@@ -29,6 +33,7 @@ class Flow:
     def __init__(self, execution: Execution) -> None:
         self._x = execution
         self._passed: set[tuple[int, int]] = set()  # branches whose blocks were looked at
+        self.in_step = False  # whether the preparation has flushed for the block in work
 
     # ------------------------------------------------------------------ control statements
 
@@ -122,8 +127,10 @@ class Flow:
         frame.index = (default if default >= 0 else entry) + 1
 
     def values_at(self, unit: Unit, entry: int) -> Values:
-        """The values of another block of the unit; its errors carry its own place."""
+        """The values of another block of the unit; its errors carry its own place. OutOfStepError: flush, then once more."""
         block = self._x.compiled(unit, entry)
+        if block.flush and not self.in_step:
+            raise OutOfStepError
         self._x.entry = entry
         try:
             return block.values()

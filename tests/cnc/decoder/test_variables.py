@@ -372,6 +372,35 @@ def test_synchronous_external_variables_are_written_on_the_path_and_reading_them
 
 @pytest.mark.spec("isg.var.external-variables")
 @pytest.mark.parametrize(
+    ("branches", "flushes", "reached"),
+    [
+        ("$IF P1 == 1\nP2 = 1\n$ELSEIF V.E.SYNC == 0\nP2 = 2\n$ENDIF", 1, 2),
+        ("$IF P1 == 0\nP2 = 1\n$ELSEIF V.E.SYNC == 0\nP2 = 2\n$ENDIF", 0, 1),
+        ("$IF V.E.SYNC == 1\nP2 = 1\n$ELSEIF V.E.SYNC == 0\nP2 = 2\n$ENDIF", 1, 2),
+        ("$IF P1\nP2 = 1\n$ELSEIF V.E.SYNC\nP2 = 2\n$ELSEIF V.E.SYNC\nP2 = 3\n$ELSE\nP2 = 4\n$ENDIF", 1, 4),
+        ("$SWITCH P1\n$CASE V.E.SYNC\nP2 = 1\n$BREAK\n$DEFAULT\nP2 = 2\n$ENDSWITCH", 1, 1),
+        ("$SWITCH P1\n$CASE 0\nP2 = 1\n$BREAK\n$CASE V.E.SYNC\nP2 = 2\n$ENDSWITCH", 0, 1),
+    ],
+)
+def test_a_branch_flushes_before_its_condition_reads_a_synchronous_variable(
+    branches: str, flushes: int, reached: int
+) -> None:
+    run = decode(f"P1 = 0\nG01 X1 F100\n{branches}\nX2", WITH_EXTERNAL)
+    assert run.problem is None, run.problem
+    kinds = [type(block) for block in run.blocks]
+    assert kinds.count(Flush) == flushes
+    assert kinds[: 1 + flushes] == [Polyline, Flush][: 1 + flushes]
+    assert run.parameters[2] == reached
+
+
+@pytest.mark.parametrize("condition", ["$IF V.E.SYNC\n", "$IF 0\n$ELSEIF V.E.SYNC\n"])
+def test_a_condition_cannot_flush_while_a_contour_line_waits(condition: str) -> None:
+    program = f"G01 #ANG=30 F100\n{condition}P1 = 1\n$ENDIF\n#ANG=60 X20 Y30"
+    assert refused(program, setup=WITH_EXTERNAL) is C.CONTOUR_LINE_UNDETERMINED
+
+
+@pytest.mark.spec("isg.var.external-variables")
+@pytest.mark.parametrize(
     ("program", "entry"),
     [
         ("V.E.READ = 1", C.VARIABLE_READ_ONLY),
