@@ -11,11 +11,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, VARIABLES
-from runtime.cnc.decoder.reference import CONTROL, Row, functions, g_functions, statements, variables
+from runtime.cnc.decoder.reference import CONTROL, Row, functions, g_functions, statements, variables, words
 
 SECTIONS = {
     "g": ("G functions", g_functions),
+    "words": ("Words of a block", words),
     "statements": ("# statements and cycle calls", statements),
     "control": ("Control statements", lambda: CONTROL),
     "functions": ("Functions of expressions", functions),
@@ -45,8 +45,9 @@ def command(
         if section in ("", key):
             found |= _print(console, title, [row for row in rows() if _matches(row, word)])
     if not found:
-        known = len(G_FUNCTIONS) + len(STATEMENTS) + len(VARIABLES)
-        typer.echo(f"nothing with {word!r} among {known} registered functions", err=True)
+        typer.echo(
+            f"nothing with {word!r} among {sum(len(rows()) for _, rows in SECTIONS.values())} functions", err=True
+        )
         raise typer.Exit(1)
 
 

@@ -8,7 +8,7 @@ from inspect import getdoc
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, VARIABLES
 from runtime.cnc.language.isg.functions import FUNCTIONS, MANY
 from runtime.cnc.language.isg.syntax import Group
-from runtime.cnc.language.isg.words import Control, ValueKind
+from runtime.cnc.language.isg.words import Control, ValueKind, WordKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +40,46 @@ CONTROL = [
         "labels: N<number>: and [<label>]",
     ),
 ]
+WORDS: dict[WordKind, tuple[Row, ...]] = {
+    WordKind.AXIS: (
+        Row("<axis>", "X.. | X[<expression>] | X1=.. | @X..", "block", "coordinate of an axis (mm, inch, deg)"),
+    ),
+    WordKind.INTERPOLATION: (Row("I J K", "I.. J.. | @I..", "block", "centre of a circle (mm, inch)"),),
+    WordKind.RADIUS: (Row("R", "R.. | R1=..", "block", "radius of a circle; below 0 the longer arc (mm, inch)"),),
+    WordKind.FEED: (Row("F", "F..", "modal", "feed, in what G93, G94, G95 or G194 say"),),
+    WordKind.END_FEED: (Row("E", "E..", "block", "feed at the end of a block"),),
+    WordKind.SPEED: (Row("S", "S.. | S<spindle>=..", "modal", "speed of a spindle (rev/min)"),),
+    WordKind.TOOL: (Row("T", "T..", "modal", "tool position"),),
+    WordKind.TOOL_DATA: (Row("D", "D0", "modal", "tool data; only D0, none, in this version"),),
+    WordKind.M: (Row("M", "M.. | M..=..", "block", "technology function for the PLC, with a value if wanted"),),
+    WordKind.H: (Row("H", "H.. | H..=..", "block", "technology function for the PLC, with a value if wanted"),),
+    WordKind.G: (
+        Row("G", "G.. | G..=.. | G..[.., ..]", "", "the G functions above; a cycle call if one is configured"),
+    ),
+    WordKind.DWELL: (Row("G04", "G04 .. | G04 X.. | G04 S..", "block", "dwell time (s), or revolutions of a spindle"),),
+    WordKind.ASSIGNMENT: (
+        Row("P", "P..=.. | P[<expression>]=..", "", "parameter; or a variable V.<name>, += and -= too"),
+    ),
+    WordKind.DECLARATION: (
+        Row(
+            "V.", "V.P.<name> [: <type>] [= ..]", "", "between #VAR and #ENDVAR; V.P, V.S, V.L, V.CYC; arrays: name[..]"
+        ),
+    ),
+    WordKind.ADDITION: (
+        Row("#ANG", "#ANG=..", "block", "angle of a contour line (deg)"),
+        Row("#CANG", "#CANG=..", "block", "opening angle of a circle around its centre (deg)"),
+        Row("#CHR", "#CHR=..", "block", "chamfer to the next motion, by its width (mm, inch)"),
+        Row("#CHF", "#CHF=..", "block", "chamfer to the next motion, by its length (mm, inch)"),
+        Row("#RND", "#RND=..", "block", "rounding to the next motion, by its radius (mm, inch)"),
+        Row("#FRC", "#FRC=..", "block", "feed in the chamfer or rounding"),
+    ),
+    WordKind.CALL_LOCAL: (Row("LL", "LL <name>", "block", "call of a subprogram of the same file"),),
+    WordKind.CALL_GLOBAL: (Row("L", "L <file>", "block", "call of a subprogram file"),),
+    WordKind.RETURN: (Row("M17 M29", "M17 | M17[[MAIN|JUMPS=..] [[<label>]|N..]]", "block", "end of a subprogram"),),
+    WordKind.GOTO: (
+        Row("N", "N<number>[:] | [<label>]", "block", "block number, label; /1 to /10 before them: skip level"),
+    ),
+}
 _KINDS = {ValueKind.NUMBER: "number", ValueKind.STRING: "string", ValueKind.ANY: "value"}
 
 
@@ -52,6 +92,11 @@ def g_functions() -> list[Row]:
         meaning = "; ".join(part for part in (group, _first_line(function.handler)) if part)
         rows.append(Row(f"G{number:02d}", written.syntax, "modal" if written.modal else "block", meaning))
     return rows
+
+
+def words() -> list[Row]:
+    """The words of a block."""
+    return [row for rows in WORDS.values() for row in rows]
 
 
 def statements() -> list[Row]:
