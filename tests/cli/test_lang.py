@@ -11,7 +11,7 @@ from runtime.cli.main import main
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, VARIABLES
 from runtime.cnc.decoder.reference import WORDS, words
 from runtime.cnc.language.isg.functions import FUNCTIONS
-from runtime.cnc.language.isg.words import WordKind
+from runtime.cnc.language.isg.words import ADDITIONS, WordKind
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -79,6 +79,7 @@ EXAMPLES = {  # of each word, behind a block with a feed
 def test_every_kind_of_word_is_in_the_reference_and_understood(tmp_path: Path) -> None:
     assert set(WORDS) == set(WordKind)
     assert {row.name for row in words()} == set(EXAMPLES)
+    assert [row.name for row in WORDS[WordKind.ADDITION]] == [f"#{name}" for name in ADDITIONS]
     (tmp_path / "sub.nc").write_text("M17\n")
     for name, example in EXAMPLES.items():
         file = tmp_path / "a.nc"

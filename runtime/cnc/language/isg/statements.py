@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind, StatementSyntax, Vocabulary
-from runtime.cnc.language.isg.words import Argument, ParsedStatement
+from runtime.cnc.language.isg.words import ADDITIONS, Argument, ParsedStatement
 from runtime.diagnostics.catalogue import language as catalogue
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _WORD = re.compile(r"[A-Za-z_]+[A-Za-z0-9_.]*")
 _START = re.compile(
     r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(#)|((?<![A-Za-z0-9_.])LL?[ \t]+(?:CYCLE|SEQUENCE)(?=[ \t]*\[))", re.IGNORECASE
 )
-_INLINE = re.compile(r"#(?:ANG|CANG|CHR|CHF|RND|FRC|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
+_INLINE = re.compile(rf"#(?:{'|'.join(ADDITIONS)}|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
 _BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_]))", re.IGNORECASE)
 _BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")

@@ -7,6 +7,8 @@ from enum import Enum, IntEnum, auto
 
 from runtime.cnc.language.isg.syntax import StatementSyntax
 
+ADDITIONS = ("ANG", "CANG", "CHR", "CHF", "RND", "FRC")  # words with # among those of a motion block
+
 
 class ValueKind(IntEnum):
     """What an expression gives; ANY is only known when it is executed."""
@@ -33,7 +35,7 @@ class WordKind(IntEnum):
     DWELL = auto()  # 0 seconds, 1 revolutions of the spindle
     ASSIGNMENT = auto()
     DECLARATION = auto()
-    ADDITION = auto()  # #ANG, #CANG, #CHR, #CHF, #RND, #FRC; `name` without #
+    ADDITION = auto()  # one of ADDITIONS; `name` without #
     CALL_LOCAL = auto()
     CALL_GLOBAL = auto()
     RETURN = auto()  # M17 or M29 with brackets
