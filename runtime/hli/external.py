@@ -39,19 +39,11 @@ _REALS = ("REAL32", "REAL64")
 _GREATEST_REAL32 = 3.4028234e38
 
 
-class ExternalEntry(Protocol):
-    """An elementary variable, or an elementary element of a structure, as the machine description lays it out.
+class _Extent(Protocol):
+    """Where values lie, and who may do what with them."""
 
-    `path` as it is written, with [] where an index belongs, with or without "V.E." in front; `offset` of the value with all
-    indices 0; `dims` and `strides` (bytes) of the indices from the left; `size` bytes of one value.
-    """
-
-    @property
-    def path(self) -> str: ...
     @property
     def offset(self) -> int: ...
-    @property
-    def kind(self) -> str: ...
     @property
     def size(self) -> int: ...
     @property
@@ -62,6 +54,19 @@ class ExternalEntry(Protocol):
     def access(self) -> str: ...
     @property
     def synchronous(self) -> bool: ...
+
+
+class ExternalEntry(_Extent, Protocol):
+    """An elementary variable, or an elementary element of a structure, as the machine description lays it out.
+
+    `path` as it is written, with [] where an index belongs, with or without "V.E." in front; `offset` of the value with all
+    indices 0; `dims` and `strides` (bytes) of the indices from the left; `size` bytes of one value.
+    """
+
+    @property
+    def path(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,23 +83,11 @@ class ExternalVariable:
     synchronous: bool
 
 
-class _LaidOut(Protocol):
+class _LaidOut(_Extent, Protocol):
     """An element of a layout whose paths have no marks of indices, at every level of its structures."""
 
     @property
     def type(self) -> str: ...
-    @property
-    def offset(self) -> int: ...
-    @property
-    def size(self) -> int: ...
-    @property
-    def dims(self) -> tuple[int, ...]: ...
-    @property
-    def strides(self) -> tuple[int, ...]: ...
-    @property
-    def access(self) -> str: ...
-    @property
-    def synchronous(self) -> bool: ...
     @property
     def elementary(self) -> bool: ...
 

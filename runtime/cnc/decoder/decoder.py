@@ -180,7 +180,7 @@ class Decoder:
                 try:
                     self._execute(frame, entry, block)
                 except OutOfStepError:
-                    self._no_line_here(unit, block)
+                    self._expect_no_line(unit)
                     yield from self._flushed(unit, block)
                     self._flow.in_step = True
                     self._execute(frame, entry, block)
@@ -218,15 +218,8 @@ class Decoder:
         yield from self._handed_over()
         yield Flush(Source(unit.name, block.source.line), FlushKind.WAIT)
 
-    def _no_line_here(self, unit: Unit, block: CompiledBlock) -> None:
-        """No contour line may be waiting at a block that flushes."""
-        try:
-            additions.expect_no_line(self._x)
-        except GeometryError as error:
-            raise self._error(unit, 1, block, error.entry, dict(error.values)) from None
-
     def _expect_no_line(self, unit: Unit) -> None:
-        """The program is over: no contour line may be waiting. The place is the last block."""
+        """The program is over, or flushes: no contour line may be waiting. The place is the block in work."""
         x = self._x
         try:
             additions.expect_no_line(x)

@@ -156,7 +156,6 @@ _KINDS = ("ZERO", "ADD_ZERO", "PSET", "CLAMP", "TOOL", "MEASURE", "MANUAL")
     form=Form.KEYS,
     keys=tuple(Key(name, KeyKind.FLAG) for name in _KINDS),
     optional=True,
-    beside=True,
 )
 def suppress_offsets(x: Execution, call: StatementCall) -> None:
     """The axis words of this block are taken without the named kinds of offsets, without all if none is named."""

@@ -177,7 +177,6 @@ def statement(
     keys: tuple[Key, ...] = (),
     words: tuple[str, ...] = (),
     optional: bool = False,
-    beside: bool = False,
     flush: bool = False,
     modal: bool = False,
     aliases: tuple[str, ...] = (),
@@ -196,7 +195,7 @@ def statement(
                 raise ValueError(f"#{alias} is registered twice")
             STATEMENTS[alias] = Statement(
                 StatementSyntax(
-                    alias, written, spec, form, keys, words, optional, beside, flush, modal,
+                    alias, written, spec, form, keys, words, optional, flush, modal,
                     name if alias != name else "", prefix, continued,
                 ),
                 handler,

@@ -129,7 +129,6 @@ def information(x: Execution, call: StatementCall) -> None:
     syntax='<words> #ADD [<receiver>] ["text", <value> ...]',
     form=Form.MESSAGE,
     words=tuple(RECEIVERS),
-    beside=True,
 )
 def addition(x: Execution, call: StatementCall) -> None:
     """A message at the end of its block, always when the path is there."""

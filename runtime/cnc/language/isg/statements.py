@@ -24,8 +24,9 @@ _WORD = re.compile(r"[A-Za-z_]+[A-Za-z0-9_.]*")
 _START = re.compile(
     r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(#)|((?<![A-Za-z0-9_.])LL?[ \t]+(?:CYCLE|SEQUENCE)(?=[ \t]*\[))", re.IGNORECASE
 )
-_INLINE = re.compile(rf"#(?:{'|'.join(ADDITIONS)}|ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_])", re.IGNORECASE)
-_BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:ADD|SUPPRESS[ \t]+OFFSETS)(?![A-Za-z0-9_]))", re.IGNORECASE)
+_ADDED = r"ADD|SUPPRESS[ \t]+OFFSETS"  # the statements that may stand beside other words
+_INLINE = re.compile(rf"#(?:{'|'.join(ADDITIONS)}|{_ADDED})(?![A-Za-z0-9_])", re.IGNORECASE)
+_BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:" + _ADDED + r")(?![A-Za-z0-9_]))", re.IGNORECASE)
 _BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 

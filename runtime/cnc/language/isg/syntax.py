@@ -99,8 +99,8 @@ class Form(Enum):
 class StatementSyntax:
     """One # statement as it is written; `name` without #, words separated by one blank.
 
-    `optional`: the arguments may be left out. `words` may stand in front of the bracket of a message. `beside`: it may
-    stand beside other words of a block, at its end. `flush`: the preparation has to be in step with the interpolator before it.
+    `optional`: the arguments may be left out. `words` may stand in front of the bracket of a message.
+    `flush`: the preparation has to be in step with the interpolator before it.
     `continued`: a backslash may tie the next line to it (cycle calls always may).
     """
 
@@ -111,7 +111,6 @@ class StatementSyntax:
     keys: tuple[Key, ...] = ()
     words: tuple[str, ...] = ()
     optional: bool = False
-    beside: bool = False
     flush: bool = False
     modal: bool = False
     alias_of: str = ""
