@@ -238,6 +238,17 @@ class SoftwareLimitChange:
     limits: tuple[tuple[float, float], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class ToolRadius:
+    """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
+
+    For the compensation of the radius; it does not reach the queue.
+    """
+
+    source: Source
+    radius: float
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -340,6 +351,7 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | ToolRadius
     | Flush
     | Hold
     | Message

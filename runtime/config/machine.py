@@ -229,6 +229,13 @@ class Metrics(Model):
     port: int = Field(default=9402, ge=0, le=65535)
 
 
+class ToolTable(Model):
+    """Where the tools are that D words select."""
+
+    database: FileBeside | None = None  # SQLite; default: tools.db in the state directory
+    initial_list: FileBeside | None = None  # tool list that the table begins with, when it is made
+
+
 class Machine(Model):
     """A whole machine."""
 
@@ -241,6 +248,7 @@ class Machine(Model):
     fieldbus: Fieldbus = Fieldbus()
     plc: Plc = Plc()
     metrics: Metrics = Metrics()
+    tools: ToolTable = ToolTable()
     error_texts: FileBeside | None = None  # texts for #ERROR, lines `number text`
     state_directory: Annotated[Path, Field(strict=False)] | None = (
         None  # retained data; default: $STATE_DIRECTORY, else ~/.local/state/tandem

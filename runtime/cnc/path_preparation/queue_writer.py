@@ -37,6 +37,7 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolRadius,
     UserError,
     Wait,
 )
@@ -229,6 +230,8 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
             case BlockEnd():
                 record["kind"] = RecordKind.BLOCK_END
+            case ToolRadius():
+                return record[:0]
             case Flush():
                 return self._flush_records(record, block.kind)
             case Message():
