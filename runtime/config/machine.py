@@ -55,6 +55,10 @@ def _program_beside(value: str, info: ValidationInfo) -> str:
     return beside(value, info) if value.endswith(".py") else value
 
 
+def _list_beside(value: str, info: ValidationInfo) -> str:
+    return value if ":" in value else beside(value, info)
+
+
 def _option(value: object) -> object:
     if not isinstance(value, (int, float, str)):  # bool is an int
         raise ValueError("text, a number, true or false is expected")
@@ -233,7 +237,9 @@ class ToolTable(Model):
     """Where the tools are that D words select."""
 
     database: FileBeside | None = None  # SQLite; default: tools.db in the state directory
-    initial_list: FileBeside | None = None  # tool list that the table begins with, when it is made
+    initial_list: Annotated[str, Field(min_length=1), AfterValidator(_list_beside)] | None = (
+        None  # tool list that the table begins with, when it is made: "file.lis" beside the description, or "package:file.lis"
+    )
 
 
 class Machine(Model):

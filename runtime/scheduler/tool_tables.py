@@ -6,6 +6,7 @@ Checks and simulations get a copy: what a program writes into the table there ch
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib.resources import files
 from pathlib import Path
 
 from runtime.cnc.tools.list_file import read_tool_list
@@ -38,7 +39,7 @@ def initial_tools(machine: Machine) -> tuple[Tool, ...]:
     """The tools that a new table begins with. Raises ToolTableError for a list that is wrong, or too long (P-CHAN-00419)."""
     if machine.tools.initial_list is None:
         return ()
-    path = Path(machine.tools.initial_list)
+    path = _file(machine.tools.initial_list)
     read = read_tool_list(path, rotary_axes(machine))
     if read.problems:
         raise ToolTableError.of(read.problems)
@@ -46,6 +47,17 @@ def initial_tools(machine: Machine) -> tuple[Tool, ...]:
     if len(read.tools) > limit:
         raise ToolTableError(catalogue.TOOLS_MANY, Place(file=str(path)), count=len(read.tools), limit=limit)
     return read.tools
+
+
+def _file(name: str) -> Path:
+    """A list by its path, or as package:file. Raises ToolTableError for a package that is not there."""
+    package, colon, file = name.partition(":")
+    if not colon:
+        return Path(name)
+    try:
+        return Path(str(files(package))) / file
+    except (ModuleNotFoundError, ValueError) as error:
+        raise ToolTableError(catalogue.LIST_UNREADABLE, Place(file=name), reason=str(error)) from None
 
 
 def open_tools(machine: Machine, environment: Mapping[str, str]) -> SqliteTools:
