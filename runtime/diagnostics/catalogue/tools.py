@@ -96,3 +96,17 @@ NEGATIVE_RADIUS = ErrorEntry(
     "the radius of tool {number}, {value:g}, is negative",
     remedy="to change the side of the compensation a program may write V.G.WZ_AKT.R",
 )
+FIELD_UNKNOWN = ErrorEntry(307042, "a tool has no datum {field!r}", remedy="known: {known}")
+UNIT_WRONG = ErrorEntry(307043, "{field} = {value!r}: this unit does not belong to it", remedy="units: {units}")
+TOOL_TWICE = ErrorEntry(307044, "tool {number} stands twice")
+CSV_NUMBER = ErrorEntry(307045, "a column `number` is missing in the first line")
+COLUMN_TWICE = ErrorEntry(307046, "the column {name!r} stands twice")
+CSV_CELLS = ErrorEntry(307047, "the line has {count} cells, the first one {expected}")
+ASSIGNMENT = ErrorEntry(
+    307048, "{text!r} is no assignment", remedy="write <datum>=<value>, e.g. radius=5 or length='50 mm'"
+)
+FILE_KIND = ErrorEntry(
+    307049,
+    "what {name} holds is not known by its name",
+    remedy="tool lists end with .lis, tables of spreadsheets with .csv",
+)

@@ -15,9 +15,9 @@ from runtime.cnc.decoder.isg.variables_channel import index_between
 from runtime.cnc.decoder.tool_words import move_at_once
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import as_number
-from runtime.cnc.tools.list_file import expect_radius
 from runtime.cnc.tools.table import ToolTableError
 from runtime.cnc.tools.tool import FIELDS, GREATEST_NUMBER, Field, FieldError, Kind, Tool
+from runtime.cnc.tools.written import expect_radius
 from runtime.diagnostics.catalogue import tools as catalogue
 
 _TABLE, _ACTIVE, _WEAR = "isg.var.g-tool-table", "isg.var.g-active-tool", "isg.var.g-tool-wear"
