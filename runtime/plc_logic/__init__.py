@@ -1,6 +1,7 @@
 """What a PLC program imports: the base class, the handlers of technology functions, the blocks of IEC 61131-3."""
 
 from runtime.hli.layout import AxisState, Mode, State, StopCondition
+from runtime.hli.tools import Identity, ManagedTool, RequestKind, ToolLife, ToolOrder
 from runtime.plc_logic.areas import NcMessage
 from runtime.plc_logic.cycle_time import cycle_at
 from runtime.plc_logic.errors import PlcError, PlcFailure
@@ -20,14 +21,19 @@ __all__ = [
     "TON",
     "TP",
     "AxisState",
+    "Identity",
+    "ManagedTool",
     "Mode",
     "NcFunction",
     "NcMessage",
     "PlcError",
     "PlcFailure",
     "Program",
+    "RequestKind",
     "State",
     "StopCondition",
+    "ToolLife",
+    "ToolOrder",
     "cycle_at",
     "h_function",
     "m_function",

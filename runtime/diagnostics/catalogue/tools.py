@@ -110,3 +110,39 @@ FILE_KIND = ErrorEntry(
     "what {name} holds is not known by its name",
     remedy="tool lists end with .lis, tables of spreadsheets with .csv",
 )
+
+# -- external tool management --------------------------------------------------------------------------------------
+
+MANAGEMENT_ABSENT = ErrorEntry(
+    307060,
+    "tool {tool} is wanted of an external tool management, and there is no PLC",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the management is a part of the PLC program; without one set ext_wzv_vorhanden to 0 (P-CHAN-00016)",
+)
+MANAGEMENT_LATE = ErrorEntry(
+    307061,
+    "the tool management does not answer for tool {tool}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check the PLC program; tools.answer_timeout of the machine description is how long it has",
+)
+MANAGEMENT_REFUSED = ErrorEntry(
+    307062, "the tool management refuses tool {tool}: {reason}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+MANAGEMENT_OTHER = ErrorEntry(
+    307063,
+    "the tool management has answered with the data of tool {other} for tool {tool}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the basic number of the answer has to be that of the request",
+)
+MANAGEMENT_ALONE = ErrorEntry(
+    307064,
+    "data of an external tool management are read in a block with several assignments",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write the assignment into a block of its own: it waits for the answer",
+)
+MANAGEMENT_UNKNOWN = ErrorEntry(
+    307065,
+    "tool {tool} is that of an external tool management: without the machine it is taken to have no dimensions",
+    Severity.WARNING,
+    Reaction.NONE,
+)
