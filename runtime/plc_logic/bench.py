@@ -15,7 +15,7 @@ Time is virtual: `run(2.0)` runs 500 cycles of 4 ms at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from runtime.hli.alarms import Report, take_report
 from runtime.hli.control import AxisCommands, ChannelCommands
@@ -28,10 +28,12 @@ from runtime.hli.technology import Function, Kind, Sent, TechnologyPort
 from runtime.hli.units import REV_PER_MIN, to_int32
 from runtime.plc_logic.host import SPINDLE, PlcHost
 from runtime.plc_logic.program import Program
+from runtime.plc_logic.retained_variables import RetainJournal
 
 P = TypeVar("P", bound=Program)
 WAIT = 0x2  # MVS_SVS
 NO_WAIT = 0x1  # MOS
+_EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the bench starts here
 
 
 class Bench(Generic[P]):
@@ -48,10 +50,11 @@ class Bench(Generic[P]):
         external: Sequence[ExternalEntry] = (),
         cycle_time: float = 0.004,
         plant: Callable[[Bench[P]], None] | None = None,
+        journal: Callable[[], RetainJournal] | None = None,
     ) -> None:
         """`plant` is called before every cycle: it may look at outputs and set inputs, as the real machine would.
 
-        `external`: the external variables of the machine.
+        `external`: the external variables of the machine. `journal`: that of the retained variables.
         """
         self.memory = HliMemory.private()
         hli = self.hli = self.memory.hli
@@ -76,10 +79,10 @@ class Bench(Generic[P]):
         self.axis_commands = {name: AxisCommands(hli.axes[i]) for name, i in self._axis_index.items()}
         self.reports: list[Report] = []  # what the program has reported, coming and going
         self.orders: list[Wish] = []  # orders of the mode unit that reached the CNC
-        self.host = PlcHost(program, self.memory, self._inputs, self._outputs)
+        self.host = PlcHost(
+            program, self.memory, self._inputs, self._outputs, journal=journal, wall_ns=lambda: _EPOCH_NS + self.time_ns
+        )
         self.host.start(0)
-        assert isinstance(self.host.program, program)
-        self.program: P = self.host.program
 
     # ------------------------------------------------------------------ the machine
 
@@ -101,6 +104,11 @@ class Bench(Generic[P]):
         status.actual_speed_r = status.command_speed_r = to_int32(speed, REV_PER_MIN)
         status.rev_erreicht_r = at_speed and speed != 0
         status.rev_null_r = speed == 0
+
+    @property
+    def program(self) -> P:
+        """The program that runs."""
+        return cast(P, self.host.program)
 
     @property
     def alarms(self) -> list[str]:

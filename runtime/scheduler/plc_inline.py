@@ -10,6 +10,8 @@ from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.host import PlcHost
 from runtime.scheduler.plc_program import load_host
 
+_EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the virtual machine starts here
+
 
 class InlinePlc:
     """A PLC partner in the same process and in virtual time. A program that failed stays silent until it is restarted."""
@@ -20,6 +22,7 @@ class InlinePlc:
         self._base = base
         self._host: PlcHost | None = None
         self._failed = False
+        self._now_ns = 0
         self.frozen = False  # for tests: as if the process were stopped
 
     @property
@@ -31,10 +34,12 @@ class InlinePlc:
     def wake(self, time: float) -> None:
         if self._failed or self.frozen:
             return
-        time_ns = int(time * 1e9)
+        time_ns = self._now_ns = int(time * 1e9)
         try:
             if self._host is None:
-                self._host = load_host(self._machine, self._base or Path(), self._memory)
+                self._host = load_host(
+                    self._machine, self._base or Path(), self._memory, wall_ns=lambda: _EPOCH_NS + self._now_ns
+                )
                 self._host.start(time_ns)
             self._host.cycle(time_ns)
         except PlcFailure:  # the host has told the HLI why

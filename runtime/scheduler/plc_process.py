@@ -30,6 +30,7 @@ from runtime.plc_logic.host import PlcHost
 from runtime.scheduler.children import die_with_parent
 from runtime.scheduler.plc_program import load_host
 from runtime.scheduler.realtime import RefusedError, set_priority
+from runtime.scheduler.retained import state_directory
 
 EXIT_LOAD, EXIT_RAISED, EXIT_NO_HLI, EXIT_CONFIGURATION = 3, 4, 5, 6
 PLC_BELOW = 10  # priorities below the cycle
@@ -52,7 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(EXIT_NO_HLI, error.problem.explained())
     with memory:
         try:
-            host = load_host(machine, path.parent, memory, time.perf_counter_ns)
+            state = state_directory(machine.state_directory, os.environ)
+            host = load_host(
+                machine, path.parent, memory, time.perf_counter_ns, state=state / "plc", wall_ns=time.time_ns
+            )
             host.start(int(memory.hli.head.time_ns_r))
         except PlcFailure as failure:
             return _complain(EXIT_LOAD, failure.problem.explained(), failure.trace)

@@ -11,14 +11,22 @@ from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.host import PlcHost, report_failure
 from runtime.plc_logic.loader import load_program
+from runtime.plc_logic.retained_variables import RetainJournal
 
 
 def load_host(
-    machine: Machine, directory: Path, memory: HliMemory, clock_ns: Callable[[], int] | None = None
+    machine: Machine,
+    directory: Path,
+    memory: HliMemory,
+    clock_ns: Callable[[], int] | None = None,
+    *,
+    state: Path | None = None,
+    wall_ns: Callable[[], int] | None = None,
 ) -> PlcHost:
     """Load the program; files are looked for in `directory`, that of the machine description.
 
-    A failure is written into the HLI too. Raises PlcFailure.
+    `state`: folder of the retained variables; without it they live as long as the host. A failure is written into the
+    HLI too. Raises PlcFailure.
     """
     assert machine.plc.program is not None
     try:
@@ -28,4 +36,13 @@ def load_host(
         raise
     inputs, outputs = io_bits(machine)
     watchdog_us = round(machine.plc.watchdog * 1e6)
-    return PlcHost(program, memory, inputs, outputs, watchdog_us=watchdog_us, clock_ns=clock_ns)
+    return PlcHost(
+        program,
+        memory,
+        inputs,
+        outputs,
+        watchdog_us=watchdog_us,
+        clock_ns=clock_ns,
+        journal=None if state is None else lambda: RetainJournal(state),
+        wall_ns=wall_ns,
+    )
