@@ -12,6 +12,8 @@ from enum import Enum, IntEnum, IntFlag
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.geometry.axis_limits import AxisLimits
+
 Floats = npt.NDArray[np.float64]
 
 
@@ -238,6 +240,17 @@ class SoftwareLimitChange:
     limits: tuple[tuple[float, float], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class AxisLimitChange:
+    """What the axes of the channel may do from here on: weights, ramp times, slope types, groups, worked out.
+
+    Taken by the queue writer; no record of its own reaches the queue.
+    """
+
+    source: Source
+    limits: AxisLimits
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -340,6 +353,7 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | AxisLimitChange
     | Flush
     | Hold
     | Message
