@@ -157,8 +157,7 @@ class PlcHost:
 
         The log-on flags stay: a PLC that failed has not given up its responsibility, so the CNC goes on waiting.
         """
-        request = int(self._platform.plc_cycle_request_r)
-        begin_ns = self._clock_ns() if self._clock_ns is not None else 0
+        cycle = self._begin()
         with cycle_at_ns(time_ns, self._wall()):
             try:
                 finished = self._think(self._running, time_ns)
@@ -168,10 +167,7 @@ class PlcHost:
                 raise self._failed(failure(catalogue.PLC_RAISED, self._name, error)) from error
             self._reports.update()
         self._act(self._running, finished)
-        self._last_ns = time_ns
-        if self._clock_ns is not None:
-            self._platform.plc_cycle_time_ns_w = self._clock_ns() - begin_ns
-        self._platform.plc_cycle_done_w = request
+        self._end(cycle, time_ns)
 
     def stop(self) -> None:
         """Log off on purpose: the operator gets all units back, and the CNC no longer waits for acknowledgements."""
@@ -212,6 +208,7 @@ class PlcHost:
         Raises PlcFailure if its setup or this first cycle fails; then nothing of it has reached outputs and CNC, the old
         program has lost nothing, and the caller runs the cycle with it.
         """
+        cycle = self._begin()
         old, name = self._running, program_type.__name__
         calls = [(source, list(source.calls)) for source in self._sources]
         elapsed = self._last_ns
@@ -247,7 +244,7 @@ class PlcHost:
                 raise failure(catalogue.PLC_RELOAD_RAISED, name, error) from error
             self._reports.update()
         self._act(new, finished)
-        self._last_ns = time_ns
+        self._end(cycle, time_ns)
         return taken_over
 
     def _saved(self) -> bool:
@@ -257,6 +254,18 @@ class PlcHost:
         return self._wall_ns() if self._wall_ns is not None else 0
 
     # ------------------------------------------------------------------ the parts of a cycle
+
+    def _begin(self) -> tuple[int, int]:
+        """The number of the cycle, and when it begins."""
+        return int(self._platform.plc_cycle_request_r), self._clock_ns() if self._clock_ns is not None else 0
+
+    def _end(self, cycle: tuple[int, int], time_ns: int) -> None:
+        """The cycle is over; the CNC may see it."""
+        self._last_ns = time_ns
+        request, begin_ns = cycle
+        if self._clock_ns is not None:
+            self._platform.plc_cycle_time_ns_w = self._clock_ns() - begin_ns
+        self._platform.plc_cycle_done_w = request
 
     def _think(self, running: _Running, time_ns: int) -> list[Taken]:
         """Everything the program does in a cycle; the technology functions that are finished."""

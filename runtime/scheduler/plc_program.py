@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from runtime.config.machine import Machine
 from runtime.hli.describe import io_bits
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
+from runtime.plc_logic.exchange import Loaded
 from runtime.plc_logic.host import PlcHost, report_failure
 from runtime.plc_logic.loader import load_program
 from runtime.plc_logic.retained_variables import RetainJournal
@@ -46,3 +50,29 @@ def load_host(
         journal=None if state is None else lambda: RetainJournal(state),
         wall_ns=wall_ns,
     )
+
+
+def load_anew(machine: Machine, directory: Path) -> Loaded:
+    """The program as its files are now, or why it cannot be loaded."""
+    assert machine.plc.program is not None
+    try:
+        return load_program(machine.plc.program, directory, anew=True)
+    except PlcFailure as failure:
+        return failure
+
+
+class LoadingBeside:
+    """Loads the program anew in a thread of ordinary priority, while the PLC cycles go on; called, it tells the result."""
+
+    def __init__(self, machine: Machine, directory: Path) -> None:
+        self._loaded: Loaded | None = None
+        self._thread = threading.Thread(target=self._work, args=(machine, directory), name="reload", daemon=True)
+        self._thread.start()
+
+    def _work(self, machine: Machine, directory: Path) -> None:
+        with suppress(OSError, PermissionError):  # a thread begins with the priority of who starts it
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        self._loaded = load_anew(machine, directory)
+
+    def __call__(self) -> Loaded | None:
+        return self._loaded
