@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from runtime.diagnostics.catalogue import configuration, fieldbus, language, machine, motion, plc, system
+from runtime.diagnostics.catalogue import configuration, fieldbus, language, machine, motion, plc, system, technology
 from runtime.diagnostics.errors import ErrorEntry
 
-_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine)
+_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine, technology)
 
 
 def _collect() -> dict[int, ErrorEntry]:
