@@ -75,6 +75,7 @@ class Interpolator:
         self._driven = (min(max(float(override), 0.0), GREATEST_OVERRIDE), bool(single_block))
         c.cycle(
             self.queue.records,
+            self.queue.polynomials,
             self.queue.counters,
             self._n,
             self.period,
