@@ -15,7 +15,7 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
+from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits, SpatialArcs
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
@@ -51,6 +51,7 @@ class Preparation:
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
         self._memory = ChannelMemory(self._setup, tools)
+        self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
@@ -115,7 +116,7 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(source))
+        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(self._late(source)))
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
