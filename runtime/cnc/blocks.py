@@ -12,6 +12,8 @@ from enum import Enum, IntEnum, IntFlag
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.dynamic_settings import DynamicSettings
+
 Floats = npt.NDArray[np.float64]
 
 
@@ -238,6 +240,14 @@ class SoftwareLimitChange:
     limits: tuple[tuple[float, float], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class DynamicsChange:
+    """Other dynamic settings from here on; at program start those of the channel hold. It does not reach the queue."""
+
+    source: Source
+    settings: DynamicSettings
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -340,6 +350,7 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | DynamicsChange
     | Flush
     | Hold
     | Message

@@ -15,7 +15,8 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
+from runtime.cnc.path_preparation import CornerDecelerations, PumpState, QueueWriter, SoftwareLimits, SpatialArcs
+from runtime.cnc.path_preparation.weight_tables import path_weights
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -113,12 +114,18 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(source))
+        blocks = CornerDecelerations()(SpatialArcs()(source))
+        blocks = SoftwareLimits.of(self._machine, self._channel)(blocks)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
         self._writer = QueueWriter(
-            self._queue, self._axis_limits, self._period, self._names, self._outside.error_texts.describe
+            self._queue,
+            self._axis_limits,
+            self._period,
+            self._names,
+            self._outside.error_texts.describe,
+            path_weights(self._machine, self._channel),
         )
 
     def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:

@@ -21,6 +21,7 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     Dwell,
+    DynamicsChange,
     ExactStop,
     ExternalWrite,
     Flush,
@@ -42,13 +43,16 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
-from runtime.cnc.path_preparation.dynamics import Border, Dynamics, arc_dynamics, line_dynamics
+from runtime.cnc.path_preparation.dynamic_limits import ArcGeometry, DynamicLimits
+from runtime.cnc.path_preparation.dynamics import Border, Dynamics
 from runtime.cnc.path_preparation.errors import PathError
+from runtime.cnc.path_preparation.weight_tables import PathWeights
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
 from runtime.diagnostics.errors import Place
 from runtime.hli.external import KINDS
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 MAIN_AXES = 3
 NO_LENGTH = 1e-9  # mm: below it a move has no length
@@ -116,11 +120,12 @@ class QueueWriter:
         period: float,
         names: tuple[str, ...] = (),
         error_text: Callable[[UserError], str] = described,
+        weights: PathWeights | None = None,
     ) -> None:
         self.queue = queue
         self._error_text = error_text
-        self._limits = limits
-        self._period = period
+        self._axes = limits.n
+        self._limits = DynamicLimits(limits, period, weights)
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
         self._end_feed = math.inf  # mm/s: E of the last motion, the greatest speed over its end
@@ -200,6 +205,9 @@ class QueueWriter:
     def _records(self, block: Block) -> Records:
         if isinstance(block, Polyline):
             return self._polyline(block)
+        if isinstance(block, DynamicsChange):
+            self._limits.change(block.settings)
+            return np.zeros(0, dtype=RECORD)
         record = np.zeros(1, dtype=RECORD)
         source: Source = block.source
         record["line"] = source.line
@@ -209,8 +217,9 @@ class QueueWriter:
         match block:
             case Line():
                 feed = math.inf if block.rapid else block.feed
+                ends = np.vstack([block.start, block.end])
                 return self._lines(
-                    record, np.vstack([block.start, block.end]), np.array([feed]), source.program, keep_empty=False
+                    record, ends, np.array([feed]), source.program, keep_empty=False, overridden=not block.override_off
                 )
             case Arc():
                 return self._arc(record, block)
@@ -283,8 +292,17 @@ class QueueWriter:
         records["block_end"] = 0 if block.one_block else 1
         return self._lines(records, block.points, block.feeds, block.program, keep_empty=True)
 
-    def _lines(self, records: Records, points: Floats, feeds: Floats, program: str, *, keep_empty: bool) -> Records:
-        """Complete k records to lines between `points` (k + 1, n); `feeds` (k,) per min."""
+    def _lines(
+        self,
+        records: Records,
+        points: Floats,
+        feeds: Floats,
+        program: str,
+        *,
+        keep_empty: bool,
+        overridden: bool = True,
+    ) -> Records:
+        """Complete k records to lines between `points` (k + 1, n); `feeds` (k,) per min, `overridden` by the program."""
         first_line = int(records["line"][0]) if len(records) else 0
         start = self._join(points, program, first_line)
         lengths, _ = path_length(np.diff(points, axis=0))
@@ -305,11 +323,19 @@ class QueueWriter:
         length, main = path_length(way)
         direction = way / length[:, None]
         feed = feeds[there] / 60.0
-        dynamics, after = line_dynamics(self._limits, self._period, direction, length, main, feed, self._before)
         rapid = np.isinf(feed)
-        self._complete(records, there, starts, ends, length, np.where(rapid, np.inf, feed), rapid, dynamics)
+        feed, share = self._overridden(feed, rapid, way != 0.0, overridden)
+        dynamics, after = self._limits.lines(direction, length, main, feed, rapid, self._before)
+        self._complete(records, there, starts, ends, length, feed, rapid, dynamics, share)
         self._before, self._place = after, ends[-1]
         return records
+
+    def _overridden(self, feed: Floats, rapid: Flags, moving: Flags, wanted: bool) -> tuple[Floats, Floats]:
+        """Feeds (k,) with the override that is programmed, and the share of rapid traverse that it leaves, (k,)."""
+        if not wanted or self._limits.overrides_nothing():
+            return feed, np.ones(len(feed))
+        share = np.where(rapid, self._limits.override(True, moving), self._limits.override(False, moving))
+        return feed * share, np.where(rapid, np.minimum(share, 1.0), 1.0)
 
     def _complete(
         self,
@@ -321,14 +347,15 @@ class QueueWriter:
         feed: Floats,
         rapid: npt.NDArray[np.bool_],
         dynamics: Dynamics,
+        share: Floats,
     ) -> None:
-        n = self._limits.n
+        n = self._axes
         records["start"][there, :n] = starts
         records["end"][there, :n] = ends
         records["length"][there] = length
         records["feed"][there] = feed
         records["rapid"][there] = rapid
-        records["v_limit"][there] = dynamics.v_limit
+        records["v_limit"][there] = dynamics.v_limit * share
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit
         records["v_entry"][there] = dynamics.v_entry
@@ -347,13 +374,17 @@ class QueueWriter:
             raise PathError(ARC_GEOMETRY, Place(program, line), radius=arc.radius, angle=arc.angle)
         if radius * abs(angle) <= NO_LENGTH:
             ends = np.vstack([arc.start, arc.end])
-            return self._lines(record, ends, np.array([arc.feed]), program, keep_empty=False)
+            return self._lines(
+                record, ends, np.array([arc.feed]), program, keep_empty=False, overridden=not arc.override_off
+            )
         if not arc.feed > 0.0:
             raise PathError(NO_FEED, Place(program, line), feed=arc.feed)
-        dynamics, after = arc_dynamics(
-            self._limits, self._period, arc.plane, math.atan2(y, x), angle, radius, linear, length, arc.feed / 60.0,
-            self._before,
-        )  # fmt: skip
+        moving = linear != 0.0
+        moving[first] = moving[second] = True
+        rapid = np.array([math.isinf(arc.feed)])
+        feed, share = self._overridden(np.array([arc.feed / 60.0]), rapid, moving[None, :], not arc.override_off)
+        geometry = ArcGeometry(arc.plane, math.atan2(y, x), angle, radius, linear, length)
+        dynamics, after = self._limits.arc(geometry, float(feed[0]), self._before)
         record["kind"] = RecordKind.ARC
         record["axis0"], record["axis1"] = first, second
         record["centre0"], record["centre1"], record["angle"] = arc.centre[0], arc.centre[1], angle
@@ -363,9 +394,10 @@ class QueueWriter:
             start[None, :],
             arc.end[None, :],
             np.array([length]),
-            np.array([arc.feed / 60.0]),
-            np.array([math.isinf(arc.feed)]),
+            feed,
+            rapid,
             dynamics,
+            share,
         )
         self._before, self._place = after, arc.end
         return record
