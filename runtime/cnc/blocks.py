@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.dynamic_settings import DynamicSettings
+from runtime.cnc.geometry.axis_limits import AxisLimits
 
 Floats = npt.NDArray[np.float64]
 
@@ -248,6 +249,17 @@ class DynamicsChange:
     settings: DynamicSettings
 
 
+@dataclass(frozen=True, slots=True)
+class AxisLimitChange:
+    """What the axes of the channel may do from here on: weights, ramp times, slope types, groups, worked out.
+
+    Taken by the queue writer; no record of its own reaches the queue.
+    """
+
+    source: Source
+    limits: AxisLimits
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -351,6 +363,7 @@ Block = (
     | BlockEnd
     | SoftwareLimitChange
     | DynamicsChange
+    | AxisLimitChange
     | Flush
     | Hold
     | Message

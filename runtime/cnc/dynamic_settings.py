@@ -22,6 +22,14 @@ class Slope(IntEnum):
     HSC = 3  # trapezoidal, planned across blocks
 
 
+class WeightedPart(Enum):
+    """What weights of acceleration and of ramp time act on (P-CHAN-00001, P-CHAN-00073)."""
+
+    ALL = 0
+    SPEEDING_UP = 1
+    BRAKING = 2
+
+
 class LookAhead(IntEnum):
     """The limits of the path speed that G115 chooses, by the bits of its number; that of the axis velocities always holds."""
 
@@ -115,6 +123,8 @@ class DynamicSettings:
     look_ahead: int = ALL_LIMITS
     free_corners: frozenset[int] = frozenset()
     least_transition: float = 0.0
+    weighted_acceleration: WeightedPart = WeightedPart.ALL
+    weighted_ramps: WeightedPart = WeightedPart.ALL
     path_weights: int = 0  # bits: 1 for G00, 2 for G01
     curve_weights: bool = False
     corner: CornerDeceleration | None = None  # G13

@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.feed_group import MAIN_GROUP, FeedGroup
-from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits
+from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits, WeightedPart
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
 from runtime.config.channel.dynamics import VectorParameters
@@ -262,9 +262,12 @@ class DecoderSetup:
 
 def _dynamics(parameters: ChannelParameters) -> DynamicSettings:
     """What holds at program start."""
-    profile = parameters.prog_start.slope.profile
+    slope = parameters.prog_start.slope
+    profile = slope.profile
     return DynamicSettings(
         slope=Slope.TRAPEZ if profile is None else Slope(profile),
+        weighted_acceleration=WeightedPart(slope.acceleration),
+        weighted_ramps=WeightedPart((slope.ramp_time + 1) // 2),
         path_weights=parameters.dynamic_weighting_active,
         curve_weights=parameters.curve_dynamic_weighting_active,
     )

@@ -12,12 +12,21 @@ No weight exceeds what the machine description gives. With the slope STEP the ac
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.dynamic_settings import USUAL, DynamicSettings, LookAhead, MoveSettings, Shares, Slope
+from runtime.cnc.dynamic_settings import (
+    ALL_LIMITS,
+    USUAL,
+    DynamicSettings,
+    LookAhead,
+    MoveSettings,
+    Shares,
+    Slope,
+    WeightedPart,
+)
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.path_preparation.dynamics import TANGENTIAL, Border, Dynamics, arc_dynamics, line_dynamics
 from runtime.cnc.path_preparation.weight_tables import PathWeights
@@ -47,6 +56,37 @@ class ArcGeometry:
     length: float
 
 
+@dataclass(frozen=True, slots=True)
+class PathLimits:
+    """What the program itself allows along the path, in mm and s."""
+
+    velocity: float = math.inf
+    acceleration: float = math.inf
+    deceleration: float = math.inf
+    jerk: float = math.inf
+
+
+ANY = PathLimits()
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """Successive elements that share their limits: how many, those of the axes, and those along the path."""
+
+    count: int
+    axes: AxisLimits
+    path: PathLimits = ANY
+
+
+@dataclass(frozen=True, slots=True)
+class Limited:
+    """Limits of successive elements, how the last one ends, and where the limits come from."""
+
+    dynamics: Dynamics
+    after: Border
+    kinds: list[Kind]
+
+
 def _array(shares: Shares, n: int) -> Floats:
     return np.array(shares) if shares else np.ones(n)
 
@@ -69,6 +109,16 @@ class DynamicLimits:
     @property
     def settings(self) -> DynamicSettings:
         return self._settings
+
+    def change_axes(self, limits: AxisLimits) -> None:
+        """The axes can do something else from here on."""
+        self._machine = limits
+        self._kept.clear()
+
+    @property
+    def kinds(self) -> int:
+        """How many different sets of axis limits the elements may need under the present settings."""
+        return 1 if self._plain else 2 * (len(self._weights.by_length.limits) + len(self._weights.by_radius.limits) + 1)
 
     def change(self, settings: DynamicSettings) -> None:
         """Other settings hold from here on."""
@@ -99,13 +149,27 @@ class DynamicLimits:
         )
         share = np.clip(_array(moves.acceleration, n) * factors[1], LEAST_WEIGHT, 1.0)
         ramp = np.maximum(_array(moves.ramp_time, n) * factors[2], LEAST_WEIGHT)
-        acceleration = machine.acceleration * share
-        jerk = np.minimum(machine.jerk * share / ramp, machine.jerk)
-        if settings.slope is Slope.STEP:
-            jerk = acceleration / self._period
-        elif settings.slope is Slope.SIN2:
-            jerk = jerk * SIN2_MEAN
-        return AxisLimits(velocity, acceleration, jerk, machine.velocity_step * share)
+        ones = np.ones(n)
+        up = share if settings.weighted_acceleration is not WeightedPart.BRAKING else ones
+        down = share if settings.weighted_acceleration is not WeightedPart.SPEEDING_UP else ones
+        ramp_up = ramp if settings.weighted_ramps is not WeightedPart.BRAKING else ones
+        ramp_down = ramp if settings.weighted_ramps is not WeightedPart.SPEEDING_UP else ones
+        acceleration, deceleration = machine.acceleration * up, machine.deceleration * down
+        return AxisLimits(
+            velocity,
+            acceleration,
+            self._jerk(machine.jerk, up / ramp_up, acceleration),
+            machine.velocity_step * share,
+            deceleration,
+            self._jerk(machine.braking_jerk, down / ramp_down, deceleration),
+        )
+
+    def _jerk(self, greatest: Floats, factor: Floats, acceleration: Floats) -> Floats:
+        """The jerk of the slope: acceleration over ramp time, never above what the axis may have. STEP: over a cycle."""
+        if self._settings.slope is Slope.STEP:
+            return acceleration / self._period
+        jerk: Floats = greatest * np.minimum(factor, 1.0)
+        return jerk * SIN2_MEAN if self._settings.slope is Slope.SIN2 else jerk
 
     def _for_entry(self, limits: AxisLimits, curve: bool) -> AxisLimits:
         """The limits that count for corner speeds; `curve`: that of an arc."""
@@ -119,6 +183,8 @@ class DynamicLimits:
             limits,
             acceleration=np.where(unlimited, UNLIMITED, limits.acceleration),
             jerk=np.where(unlimited, UNLIMITED / self._period, limits.jerk),
+            deceleration=np.where(unlimited, UNLIMITED, limits.deceleration),
+            braking_jerk=np.where(unlimited, UNLIMITED / self._period, limits.braking_jerk),
             velocity_step=np.where(free, UNLIMITED, limits.velocity_step),
         )
 
@@ -148,27 +214,32 @@ class DynamicLimits:
 
     def lines(
         self, direction: Floats, length: Floats, main: Flags, feed: Floats, rapid: Flags, before: Border | None
-    ) -> tuple[Dynamics, Border]:
+    ) -> Limited:
         """Limits of k successive lines, as `line_dynamics`; `feed` (k,) per s, `rapid` (k,)."""
         if self._plain:
             limits = self._machine
             found = line_dynamics(limits, self._period, direction, length, main, feed, before)
-            return self._lower_entry(found, direction, length, main, feed, before, limits)
+            found = self._lower_entry(found, direction, length, main, feed, before, limits)
+            return Limited(*found, [Kind(len(length), limits)])
         rows = self._rows(length, rapid)
         cuts = np.flatnonzero((np.diff(rows) != 0) | (np.diff(rapid) != 0)) + 1
         parts: list[Dynamics] = []
+        kinds: list[Kind] = []
         for begin, end in zip([0, *cuts.tolist()], [*cuts.tolist(), len(length)], strict=True):
             part = slice(begin, end)
             is_rapid = bool(rapid[begin])
             factors = self._weights.by_length.factors[rows[begin]] if rows[begin] >= 0 else _NONE
             found = self._part(is_rapid, factors, direction[part], length[part], main[part], feed[part], before)
             parts.append(found[0])
+            path = self._along_path(self._settings.of(is_rapid), on_arc=False)
+            kinds.append(Kind(end - begin, self.axis_limits(is_rapid, factors), path))
             before = found[1]
         assert before is not None
         if len(parts) == 1:
-            return parts[0], before
-        names = ("v_limit", "a_limit", "j_limit", "v_entry")
-        return Dynamics(*(np.concatenate([getattr(part, name) for part in parts]) for name in names)), before
+            return Limited(parts[0], before, kinds)
+        names = [field.name for field in fields(Dynamics)]
+        joined = Dynamics(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        return Limited(joined, before, kinds)
 
     def _rows(self, length: Floats, rapid: Flags) -> Ints:
         """The row of the weights by path length of each move, -1 without."""
@@ -198,7 +269,7 @@ class DynamicLimits:
         dynamics, after = found
         if self._entry_differs(curve=False):
             free, _ = line_dynamics(self._for_entry(limits, curve=False), self._period, *arguments)
-            dynamics = replace(dynamics, v_entry=free.v_entry)
+            dynamics = replace(dynamics, v_entry=free.v_entry, v_corner=free.v_corner)
         first = direction[:1] if before is None else before.direction[None, :]
         turn = direction - np.concatenate([first, direction[:-1]])
         kept = main == np.concatenate([[main[0] if before is None else before.main], main[:-1]])
@@ -226,11 +297,12 @@ class DynamicLimits:
             other = self._for_entry(other, curve=False)
         there, _ = line_dynamics(other, self._period, direction[first], length[first], main[first], feed[first], before)
         dynamics.v_entry[0] = min(dynamics.v_entry[0], there.v_entry[0])
+        dynamics.v_corner[0] = min(dynamics.v_corner[0], there.v_corner[0])
         return dynamics, after
 
     # ------------------------------------------------------------------ arcs
 
-    def arc(self, arc: ArcGeometry, feed: float, before: Border | None) -> tuple[Dynamics, Border]:
+    def arc(self, arc: ArcGeometry, feed: float, before: Border | None) -> Limited:
         """Limits of an arc or helix, arrays of shape (1,); `feed` per s, inf for rapid."""
         rapid = math.isinf(feed)
         factors = _NONE
@@ -242,24 +314,30 @@ class DynamicLimits:
         dynamics, after = self._arc(limits, arc, feed, before)
         other, self._before = self._before, limits
         if self._plain and (other is None or other is limits):
-            return dynamics, after
+            return Limited(dynamics, after, [Kind(1, limits)])
         if self._entry_differs(curve=True):
             free, _ = self._arc(self._for_entry(limits, curve=True), arc, feed, before)
             v_limit = dynamics.v_limit if self._settings.look_ahead & LookAhead.CURVE else free.v_limit
-            dynamics = replace(dynamics, v_entry=free.v_entry, v_limit=v_limit)
+            dynamics = replace(dynamics, v_entry=free.v_entry, v_corner=free.v_corner, v_limit=v_limit)
         if other is not None and other is not limits:
             if self._entry_differs(curve=True):
                 other = self._for_entry(other, curve=True)
             there, _ = self._arc(other, arc, feed, before)
-            dynamics = replace(dynamics, v_entry=np.minimum(dynamics.v_entry, there.v_entry))
+            dynamics = replace(
+                dynamics,
+                v_entry=np.minimum(dynamics.v_entry, there.v_entry),
+                v_corner=np.minimum(dynamics.v_corner, there.v_corner),
+            )
         if self._settings.geometric_ramp_time > 1.0 and self._settings.slope is not Slope.STEP:
-            slower = replace(limits, jerk=limits.jerk / self._settings.geometric_ramp_time)
+            longer = self._settings.geometric_ramp_time
+            slower = replace(limits, jerk=limits.jerk / longer, braking_jerk=limits.braking_jerk / longer)
             across, _ = self._arc(slower, arc, feed, before)
             dynamics = replace(
                 dynamics,
                 v_limit=np.minimum(dynamics.v_limit, across.v_limit),
                 a_limit=np.minimum(dynamics.a_limit, across.a_limit),
                 v_entry=np.minimum(dynamics.v_entry, across.v_entry),
+                v_corner=np.minimum(dynamics.v_corner, across.v_corner),
             )
         moves = self._settings.of(rapid)
         turn = np.zeros((1, limits.n))
@@ -267,7 +345,10 @@ class DynamicLimits:
             turn[0] = self._direction_at_start(arc) - before.direction
         kept = np.array([before is not None and before.main])
         dynamics = self._path_limits(dynamics, moves, turn, kept, on_arc=True)
-        return replace(dynamics, v_limit=np.minimum(dynamics.v_limit, self._radial_speed(arc, moves))), after
+        dynamics = replace(dynamics, v_limit=np.minimum(dynamics.v_limit, self._radial_speed(arc, moves)))
+        path = self._along_path(moves, on_arc=True)
+        path = replace(path, velocity=min(path.velocity, self._radial_speed(arc, moves)))
+        return Limited(dynamics, after, [Kind(1, limits, path)])
 
     def _arc(self, limits: AxisLimits, arc: ArcGeometry, feed: float, before: Border | None) -> tuple[Dynamics, Border]:
         return arc_dynamics(
@@ -289,22 +370,40 @@ class DynamicLimits:
 
     # ------------------------------------------------------------------ along the path
 
+    @property
+    def unwatched(self) -> int:
+        """Bits of LookAhead that do not hold for all axes (G115)."""
+        return ALL_LIMITS & ~self._settings.look_ahead
+
+    def _along_path(self, moves: MoveSettings, *, on_arc: bool) -> PathLimits:
+        """#VECTOR LIMIT. On circles the limits of the acceleration hold if P-CHAN-00350 says so."""
+        vector = moves.vector
+        if vector.unlimited:
+            return ANY
+        free = on_arc and not self._weights.limit_on_circles
+        acceleration = math.inf if free else vector.acceleration
+        deceleration = math.inf if free else vector.deceleration
+        return PathLimits(vector.velocity, acceleration, deceleration, vector.jerk)
+
     def _path_limits(
         self, dynamics: Dynamics, moves: MoveSettings, turn: Floats, kept: Flags, *, on_arc: bool
     ) -> Dynamics:
         """#VECTOR LIMIT and #TRANSVELMIN. `turn` (k, n): change of direction at the entry; `kept` (k,): the path goes on there
         in the same measure."""
         vector = moves.vector
-        v_limit, a_limit, j_limit, v_entry = dynamics.v_limit, dynamics.a_limit, dynamics.j_limit, dynamics.v_entry
+        v_entry, v_corner = dynamics.v_entry, dynamics.v_corner
         change = np.linalg.norm(turn, axis=1)
+        path = self._along_path(moves, on_arc=on_arc)
+        v_limit = np.minimum(dynamics.v_limit, path.velocity)
+        a_limit = np.minimum(dynamics.a_limit, min(path.acceleration, path.deceleration))
+        j_limit = np.minimum(dynamics.j_limit, path.jerk)
         if not vector.unlimited:
-            v_limit = np.minimum(v_limit, vector.velocity)
-            if not on_arc or self._weights.limit_on_circles:
-                a_limit = np.minimum(a_limit, min(vector.acceleration, vector.deceleration))
-            j_limit = np.minimum(j_limit, vector.jerk)
             with np.errstate(divide="ignore"):
-                v_entry = np.minimum(v_entry, vector.transition_acceleration * self._period / change)
+                most = vector.transition_acceleration * self._period / change
+            v_entry, v_corner = np.minimum(v_entry, most), np.minimum(v_corner, most)
         if self._settings.least_transition > 0.0:
             knee = kept & (change > TANGENTIAL)
-            v_entry = np.where(knee, np.maximum(v_entry, self._settings.least_transition), v_entry)
-        return Dynamics(v_limit, a_limit, j_limit, v_entry)
+            least = self._settings.least_transition
+            v_entry = np.where(knee, np.maximum(v_entry, least), v_entry)
+            v_corner = np.where(knee, np.maximum(v_corner, least), v_corner)
+        return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from runtime.cnc.blocks import (
     Arc,
+    AxisLimitChange,
     Block,
     BlockEnd,
     Dwell,
@@ -43,8 +44,8 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
-from runtime.cnc.path_preparation.dynamic_limits import ArcGeometry, DynamicLimits
-from runtime.cnc.path_preparation.dynamics import Border, Dynamics
+from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
+from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.path_preparation.weight_tables import PathWeights
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
@@ -128,6 +129,7 @@ class QueueWriter:
         self._limits = DynamicLimits(limits, period, weights)
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
+        self._rapid_before = self._late_before = False  # of the element before
         self._end_feed = math.inf  # mm/s: E of the last motion, the greatest speed over its end
         self._place: Floats | None = None  # end of the last element in the queue
         self._block_end: Floats | None = None  # end of the last block, moves without length included
@@ -176,8 +178,9 @@ class QueueWriter:
         return count
 
     def _take(self, block: Block) -> bool:
-        """Make the records of a block; FALSE if there is no room for its text."""
+        """Make the records of a block; FALSE if there is no room for its text or its limits."""
         no_room = self.queue.texts.free == 0 and _with_text(block)
+        no_room = no_room or not self.queue.limits.room_for(self._limits.kinds)
         self._postponed = block if no_room else None
         if self._postponed is not None:
             return False
@@ -193,6 +196,7 @@ class QueueWriter:
         if self._end_feed < math.inf:  # of the block before: both sides of the border keep to it
             first = elements[0]
             records["v_entry"][first] = min(records["v_entry"][first], self._end_feed)
+            records["v_corner"][first] = min(records["v_corner"][first], self._end_feed)
             self._end_feed = math.inf
         if isinstance(block, Line | Arc):
             if block.override_off:
@@ -207,6 +211,9 @@ class QueueWriter:
             return self._polyline(block)
         if isinstance(block, DynamicsChange):
             self._limits.change(block.settings)
+            return np.zeros(0, dtype=RECORD)
+        if isinstance(block, AxisLimitChange):
+            self._limits.change_axes(block.limits)
             return np.zeros(0, dtype=RECORD)
         record = np.zeros(1, dtype=RECORD)
         source: Source = block.source
@@ -325,9 +332,9 @@ class QueueWriter:
         feed = feeds[there] / 60.0
         rapid = np.isinf(feed)
         feed, share = self._overridden(feed, rapid, way != 0.0, overridden)
-        dynamics, after = self._limits.lines(direction, length, main, feed, rapid, self._before)
-        self._complete(records, there, starts, ends, length, feed, rapid, dynamics, share)
-        self._before, self._place = after, ends[-1]
+        limited = self._limits.lines(direction, length, main, feed, rapid, self._before)
+        self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
+        self._before, self._place = limited.after, ends[-1]
         return records
 
     def _overridden(self, feed: Floats, rapid: Flags, moving: Flags, wanted: bool) -> tuple[Floats, Floats]:
@@ -346,10 +353,10 @@ class QueueWriter:
         length: Floats,
         feed: Floats,
         rapid: npt.NDArray[np.bool_],
-        dynamics: Dynamics,
+        limited: Limited,
         share: Floats,
     ) -> None:
-        n = self._axes
+        n, dynamics = self._axes, limited.dynamics
         records["start"][there, :n] = starts
         records["end"][there, :n] = ends
         records["length"][there] = length
@@ -359,6 +366,35 @@ class QueueWriter:
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit
         records["v_entry"][there] = dynamics.v_entry
+        records["v_corner"][there] = dynamics.v_corner
+        self._mark_limits(records, there, limited, share)
+        late = self._brakes_late(feed, rapid)
+        if late.any():
+            records["brake_late"][there] = late
+
+    def _mark_limits(self, records: Records, there: Flags, limited: Limited, share: Floats) -> None:
+        """The sets of limits of the axes, and the limits of the program along the path."""
+        kinds = limited.kinds
+        counts = [kind.count for kind in kinds]
+        numbers = [self.queue.limits.put(kind.axes, len(records)) for kind in kinds]
+        records["limits"][there] = np.repeat(numbers, counts)
+        if all(kind.path is ANY for kind in kinds) and not (share < 1.0).any() and not self._limits.unwatched:
+            return
+        names = ("velocity", "acceleration", "deceleration", "jerk")
+        along = {name: np.repeat([getattr(kind.path, name) for kind in kinds], counts) for name in names}
+        along["velocity"] = np.where(share < 1.0, records["v_limit"][there], along["velocity"])
+        for name, limit in along.items():
+            records[f"path_{name[0]}"][there] = np.where(np.isfinite(limit), limit, 0.0)
+        records["unwatched"][there] = self._limits.unwatched
+
+    def _brakes_late(self, feed: Floats, rapid: Flags) -> Flags:
+        """Which of k elements may be entered faster than their feed (G901): behind a rapid move none, line 3869."""
+        before = np.concatenate([[self._rapid_before], rapid[:-1]])
+        late = np.full(len(feed), self._limits.settings.late_braking)
+        late[0] = self._late_before
+        self._rapid_before, self._late_before = bool(rapid[-1]), self._limits.settings.late_braking
+        flags: Flags = late & ~before
+        return flags
 
     def _arc(self, record: Records, arc: Arc) -> Records:
         program, line = arc.source.program, arc.source.line
@@ -384,7 +420,7 @@ class QueueWriter:
         rapid = np.array([math.isinf(arc.feed)])
         feed, share = self._overridden(np.array([arc.feed / 60.0]), rapid, moving[None, :], not arc.override_off)
         geometry = ArcGeometry(arc.plane, math.atan2(y, x), angle, radius, linear, length)
-        dynamics, after = self._limits.arc(geometry, float(feed[0]), self._before)
+        limited = self._limits.arc(geometry, float(feed[0]), self._before)
         record["kind"] = RecordKind.ARC
         record["axis0"], record["axis1"] = first, second
         record["centre0"], record["centre1"], record["angle"] = arc.centre[0], arc.centre[1], angle
@@ -396,10 +432,10 @@ class QueueWriter:
             np.array([length]),
             feed,
             rapid,
-            dynamics,
+            limited,
             share,
         )
-        self._before, self._place = after, arc.end
+        self._before, self._place = limited.after, arc.end
         return record
 
     def _join(self, points: Floats, program: str, line: int) -> Floats:

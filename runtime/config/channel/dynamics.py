@@ -12,6 +12,8 @@ class SlopeAtStart(Model):
     """`prog_start.slope.*`."""
 
     profile: int | None = None  # P-CHAN-00071; not given: as the axes are described, with limited jerk
+    acceleration: int = 0  # P-CHAN-00001, weights of acceleration act on: 0 all, 1 speeding up, 2 braking
+    ramp_time: int = 0  # P-CHAN-00073, weights of ramp times act on: 0 all, 1 and 2 speeding up, 3 and 4 braking
 
 
 class VectorParameters(Model):

@@ -8,7 +8,7 @@ TRAFO_MODES = "NONE|FAST_TARGET_POS_CALC|BEVEL_ANGLE_TOOL_LENGTH_CORR|BEVEL_ANGL
 # fmt: off
 ROWS = (
     P(1, "prog_start.slope.acceleration", "SGN16", "0..2", 0, 5194,
-      "Which accelerations the weighting affects at program start"),
+      "Which accelerations the weighting affects at program start", use=Use.USED),
     P(9, "corr_v_trans_jerk", "BOOLEAN", "", False, 5321,
       "1 = slow down at tangential transitions whose radius change causes jerk"),
     P(12, "speed_limit_look_ahead.dist_from_corner", "UNS32", "", 0, 5430,
@@ -28,7 +28,7 @@ ROWS = (
     P(71, "prog_start.slope.profile", "SGN16",
       "0..3", None, 5172, "Acceleration profile type at program start", use=Use.USED),
     P(73, "prog_start.slope.ramp_time", "SGN16", "0..4", 0, 5183,
-      "Which ramp times the weighting affects at program start"),
+      "Which ramp times the weighting affects at program start", use=Use.USED),
     P(89, "speed_limit_look_ahead.v_limit", "UNS32", "", 0, 5395,
       "Fraction of programmed speed below which SLD turns on", unit="0.1%"),
     P(94, "kinematik[i].param[j]", "REAL64", "", 0.0, 4351,

@@ -282,7 +282,7 @@ class StatementParser:
                 raise LineError(catalogue.AXIS_UNKNOWN, position + 1, axis=name, axes=axes)
             column = position + 1
             position = _skip(text, position + len(name), " \t=")
-            stop = self._axis_value_end(text, position)
+            stop = position if text[position : position + 1] == "," else self._axis_value_end(text, position)
             given = text[position:stop].strip()
             value = self._blocks.expression(given, position + 1) if given else None
             if value is None and syntax.form is Form.AXES:
