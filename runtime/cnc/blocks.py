@@ -172,6 +172,40 @@ class Polyline:
 
 
 @dataclass(frozen=True, slots=True)
+class Polynomials:
+    """A run of k polynomial elements: element i is q(u) = Σ coefficients[i, p] u^p, u from 0 to 1.
+
+    `coefficients` (k, 6, n_axes), mm or degrees; each element begins where the one before ends. `feeds`, `lines`, `numbers`,
+    `pcs_shift`, `pcs_gain`, `plane` as in Polyline. `block_ends` (k,): an NC block ends with the element. `end_feed` and
+    `override_off` as in Line, for the whole run.
+    """
+
+    program: str
+    coefficients: Floats
+    feeds: Floats
+    lines: npt.NDArray[np.int64]
+    numbers: npt.NDArray[np.int64]
+    block_ends: npt.NDArray[np.bool_]
+    pcs_shift: Floats
+    pcs_gain: Floats | None = None
+    plane: tuple[int, int] | None = None
+    end_feed: float | None = None
+    override_off: bool = False
+
+    @property
+    def start(self) -> Floats:
+        """Where the run begins, (n_axes,)."""
+        begin: Floats = self.coefficients[0, 0]
+        return begin
+
+    @property
+    def ends(self) -> Floats:
+        """Where each element ends, (k, n_axes)."""
+        ends: Floats = self.coefficients.sum(axis=1)
+        return ends
+
+
+@dataclass(frozen=True, slots=True)
 class TechnologyFunction:
     """An M, H, S or T function at its place on the path.
 
@@ -247,6 +281,17 @@ class DynamicsChange:
 
     source: Source
     settings: DynamicSettings
+
+
+@dataclass(frozen=True, slots=True)
+class ToolRadius:
+    """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
+
+    For the compensation of the radius; it does not reach the queue.
+    """
+
+    source: Source
+    radius: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -355,6 +400,7 @@ Block = (
     | Arc
     | SpatialArc
     | Polyline
+    | Polynomials
     | TechnologyFunction
     | Wait
     | ExactStop
@@ -363,6 +409,7 @@ Block = (
     | BlockEnd
     | SoftwareLimitChange
     | DynamicsChange
+    | ToolRadius
     | AxisLimitChange
     | Flush
     | Hold

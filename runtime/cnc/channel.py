@@ -37,7 +37,7 @@ from runtime.hli.technology import TechnologyPort
 Floats = npt.NDArray[np.float64]
 
 # plain numbers: flags of the enum class are slow to combine in every cycle
-_ARC, _FUNCTION = int(RecordKind.ARC), int(RecordKind.FUNCTION)
+_LAST_MOTION, _FUNCTION = int(RecordKind.POLYNOMIAL), int(RecordKind.FUNCTION)
 _BLOCK_END, _ACTION = int(RecordKind.BLOCK_END), int(RecordKind.ACTION)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
@@ -468,7 +468,7 @@ class Channel:
     def _trace_blocks(self, passed: Sequence[int]) -> None:
         """Block start and end events for the elements that were entered in this cycle: several, if they are short."""
         for index in passed:
-            if index > self._traced_index and self.queue.kind(index) <= _ARC:
+            if index > self._traced_index and self.queue.kind(index) <= _LAST_MOTION:
                 self._trace_entry(index)
         if self.interpolator.index > self._traced_index:
             self._trace_entry(self.interpolator.index)

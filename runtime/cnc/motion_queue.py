@@ -21,6 +21,8 @@ are the same in one box per element.
 What the program itself limits along the path (`path_v`, `path_a`, `path_d`, `path_j`: #VECTOR LIMIT, programmed override
 of rapid moves; 0: nothing) holds beside it; the box has it already. `unwatched`: what does not limit the path on this
 element although the axes would (G115, G116): bits of `dynamic_settings.LookAhead`.
+The coefficients of a polynomial lie in a second array, in the slot of its record. It is written for polynomials only, so
+that lines cost nothing more.
 
 Units: mm or degrees, per second; angles of arcs in radians.
 """
@@ -34,6 +36,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.geometry.polynomials import ROWS, WIDTH
 from runtime.cnc.queue_limits import QueueLimits, limits_bytes
 from runtime.cnc.queue_texts import TEXTS_BYTES, QueueTexts
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
@@ -49,10 +52,11 @@ class RecordKind(IntEnum):
 
     LINE = 0
     ARC = 1
-    FUNCTION = 2  # technology function, put out when the path arrives here
-    GATE = 3  # the path stops here unless the gate has been opened
-    BLOCK_END = 4  # the end of an NC block: a gate in single block
-    ACTION = 5  # done by the cycle when the path arrives here
+    POLYNOMIAL = 2  # its coefficients lie in `MotionQueue.polynomials`. Up to here: motion, with length and limits
+    FUNCTION = 3  # technology function, put out when the path arrives here
+    GATE = 4  # the path stops here unless the gate has been opened
+    BLOCK_END = 5  # the end of an NC block: a gate in single block
+    ACTION = 6  # done by the cycle when the path arrives here
 
 
 class GateReason(IntEnum):
@@ -85,7 +89,7 @@ RECORD = np.dtype(
         ("line", "i8"),  # source line
         ("n", "i8"),  # block number, -1: none
         ("program", "i8"),  # index into the table of names
-        # LINE, ARC
+        # LINE, ARC, POLYNOMIAL
         ("start", "f8", (MAX_AXES,)),
         ("end", "f8", (MAX_AXES,)),
         ("length", "f8"),  # path length
@@ -116,7 +120,7 @@ RECORD = np.dtype(
         ("text", "i8"),  # index into the texts, -1: none
         ("offset", "i8"),
         ("size", "i8"),
-        # LINE, ARC
+        # LINE, ARC, POLYNOMIAL
         ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
         ("limits", "i8"),  # number of the set of axis limits
         ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
@@ -134,6 +138,7 @@ RECORD = np.dtype(
 )
 
 Records = npt.NDArray[np.void]
+Floats = npt.NDArray[np.float64]
 Counters = npt.NDArray[np.int64]
 
 _HEAD = 64  # bytes: written, read, number of programs ever named
@@ -151,7 +156,8 @@ class MotionQueue:
         self._memory: shared_memory.SharedMemory | None = None
         sets = _HEAD + _NAMES + TEXTS_BYTES
         records = sets + limits_bytes(MAX_AXES)
-        size = records + capacity * RECORD.itemsize
+        polynomials = records + capacity * RECORD.itemsize
+        size = polynomials + capacity * ROWS * WIDTH * 8
         if name is None:
             buffer: memoryview | bytearray = bytearray(size)
         else:
@@ -164,6 +170,8 @@ class MotionQueue:
         self.limits = QueueLimits(buffer, sets, MAX_AXES, n_axes, self.counters)
         self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=records)
         self._kinds = self.records["kind"]
+        numbers = np.frombuffer(buffer, dtype=np.float64, count=capacity * ROWS * WIDTH, offset=polynomials)
+        self.polynomials: Floats = numbers.reshape(capacity, ROWS, WIDTH)  # tables of geometry.polynomials
         self._known: dict[str, int] = {}
 
     # ------------------------------------------------------------------ producer
@@ -178,14 +186,20 @@ class MotionQueue:
         """Records that `append` will take now."""
         return self.capacity - (int(self.counters[0]) - int(self.counters[1]))
 
-    def append(self, records: Records) -> int:
-        """Append as many of `records` (k,) of dtype `RECORD` as fit, in order; returns how many. Producer only."""
+    def append(self, records: Records, tables: Floats | None = None) -> int:
+        """Append as many of `records` (k,) of dtype `RECORD` as fit, in order; returns how many. Producer only.
+
+        `tables` (k, ROWS, WIDTH) go along with polynomials.
+        """
         written = int(self.counters[0])
         count = min(len(records), self.free)
         slot = written % self.capacity
         first = min(count, self.capacity - slot)
         self.records[slot : slot + first] = records[:first]
         self.records[: count - first] = records[first:count]
+        if tables is not None:
+            self.polynomials[slot : slot + first] = tables[:first]
+            self.polynomials[: count - first] = tables[first:count]
         self.counters[0] = written + count
         return count
 
@@ -232,7 +246,7 @@ class MotionQueue:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self.counters, self._names, self.texts, self.limits, self.records, self._kinds
+        del self.counters, self._names, self.texts, self.limits, self.records, self._kinds, self.polynomials
         if unlink:
             remove_shared(memory)
         else:

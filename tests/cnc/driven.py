@@ -24,7 +24,7 @@ class Driven:
 
     @property
     def t(self) -> Floats:
-        t: Floats = np.arange(1, self.run.cycles + 1) * PERIOD
+        t: Floats = np.arange(1.0, self.run.cycles + 1.0) * PERIOD
         return t
 
     @property

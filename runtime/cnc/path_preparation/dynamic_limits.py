@@ -12,6 +12,7 @@ No weight exceeds what the machine description gives. With the slope STEP the ac
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -28,8 +29,11 @@ from runtime.cnc.dynamic_settings import (
     WeightedPart,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.geometry.polynomials import MAIN_AXES, ROWS, WIDTH, polynomial_derivatives
 from runtime.cnc.path_preparation.dynamics import TANGENTIAL, Border, Dynamics, arc_dynamics, line_dynamics
+from runtime.cnc.path_preparation.polynomial_dynamics import PLACES, polynomial_dynamics
 from runtime.cnc.path_preparation.weight_tables import PathWeights
+from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -55,12 +59,21 @@ class ArcGeometry:
     linear: Floats
     length: float
 
+    @property
+    def direction_at_start(self) -> Floats:
+        """q' where the arc begins, (n,)."""
+        first, second = self.plane
+        direction = self.linear / self.length
+        share = self.radius * self.angle / self.length
+        direction[first], direction[second] = -share * math.sin(self.begin), share * math.cos(self.begin)
+        return direction
+
 
 @dataclass(frozen=True, slots=True)
 class PathLimits:
-    """What the program itself allows along the path, in mm and s."""
+    """What the program itself allows along the path, in mm and s; the velocity may be one for each element."""
 
-    velocity: float = math.inf
+    velocity: float | Floats = math.inf
     acceleration: float = math.inf
     deceleration: float = math.inf
     jerk: float = math.inf
@@ -77,6 +90,11 @@ class Kind:
     axes: AxisLimits
     path: PathLimits = ANY
 
+    def each(self, name: str) -> Floats:
+        """A limit along the path for each element, (count,)."""
+        limit: Floats = np.broadcast_to(getattr(self.path, name), self.count)
+        return limit
+
 
 @dataclass(frozen=True, slots=True)
 class Limited:
@@ -85,6 +103,32 @@ class Limited:
     dynamics: Dynamics
     after: Border
     kinds: list[Kind]
+
+
+Made = tuple[Dynamics, Border]
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Elements of one kind: what makes limits of them, the change of direction at the entry of each (k, n), whether the path
+    goes on there in the same measure (k,), and, if they are curved, their greatest curvature (k,)."""
+
+    make: Callable[[AxisLimits], Made]
+    turn: Callable[[], Floats]
+    goes_on: Flags
+    bend: Callable[[], Floats] | None = None
+    circle: bool = False
+
+    @property
+    def curved(self) -> bool:
+        return self.bend is not None
+
+
+def _goes_on(main: Flags, before: Border | None) -> Flags:
+    """Whether the path goes on in the same measure at the entry of each element, (k,)."""
+    kept: Flags = main == np.concatenate([[main[0] if before is None else before.main], main[:-1]])
+    kept[0] &= before is not None
+    return kept
 
 
 def _array(shares: Shares, n: int) -> Floats:
@@ -210,40 +254,79 @@ class DynamicLimits:
         feed, rapid = self._settings.feed, self._settings.rapid
         return feed.override == rapid.override == 1.0 and not feed.axis_override and not rapid.axis_override
 
-    # ------------------------------------------------------------------ lines
+    # ------------------------------------------------------------------ elements
 
     def lines(
         self, direction: Floats, length: Floats, main: Flags, feed: Floats, rapid: Flags, before: Border | None
     ) -> Limited:
         """Limits of k successive lines, as `line_dynamics`; `feed` (k,) per s, `rapid` (k,)."""
-        if self._plain:
-            limits = self._machine
-            found = line_dynamics(limits, self._period, direction, length, main, feed, before)
-            found = self._lower_entry(found, direction, length, main, feed, before, limits)
-            return Limited(*found, [Kind(len(length), limits)])
-        rows = self._rows(length, rapid)
-        cuts = np.flatnonzero((np.diff(rows) != 0) | (np.diff(rapid) != 0)) + 1
-        parts: list[Dynamics] = []
-        kinds: list[Kind] = []
-        for begin, end in zip([0, *cuts.tolist()], [*cuts.tolist(), len(length)], strict=True):
-            part = slice(begin, end)
-            is_rapid = bool(rapid[begin])
-            factors = self._weights.by_length.factors[rows[begin]] if rows[begin] >= 0 else _NONE
-            found = self._part(is_rapid, factors, direction[part], length[part], main[part], feed[part], before)
-            parts.append(found[0])
-            path = self._along_path(self._settings.of(is_rapid), on_arc=False)
-            kinds.append(Kind(end - begin, self.axis_limits(is_rapid, factors), path))
-            before = found[1]
-        assert before is not None
-        if len(parts) == 1:
-            return Limited(parts[0], before, kinds)
-        names = [field.name for field in fields(Dynamics)]
-        joined = Dynamics(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
-        return Limited(joined, before, kinds)
+
+        def part(begin: int, end: int, before: Border | None) -> _Part:
+            here = slice(begin, end)
+
+            def make(limits: AxisLimits) -> Made:
+                return line_dynamics(
+                    limits, self._period, direction[here], length[here], main[here], feed[here], before
+                )
+
+            def turn() -> Floats:
+                first = direction[begin] if before is None else before.direction
+                return np.diff(np.vstack([first, direction[here]]), axis=0)
+
+            return _Part(make, turn, _goes_on(main[here], before))
+
+        return self._run(part, rapid, self._rows(length, rapid), before)
+
+    def polynomials(
+        self, tables: Floats, length: Floats, main: Flags, feed: Floats, rapid: Flags, before: Border | None
+    ) -> Limited:
+        """Limits of m successive polynomials, as `polynomial_dynamics`."""
+
+        def part(begin: int, end: int, before: Border | None) -> _Part:
+            here = slice(begin, end)
+
+            def make(limits: AxisLimits) -> Made:
+                return polynomial_dynamics(
+                    limits, self._period, tables[here], length[here], main[here], feed[here], before
+                )
+
+            def bend() -> Floats:
+                return greatest_curvature(tables[here], length[here], self._machine.n)
+
+            straight = np.zeros((end - begin, self._machine.n))
+            return _Part(make, lambda: straight, _goes_on(main[here], before), bend)
+
+        return self._run(part, rapid, np.full(len(length), -1), before)
+
+    def arc(self, arc: ArcGeometry, feed: float, before: Border | None) -> Limited:
+        """Limits of an arc or helix, arrays of shape (1,); `feed` per s, inf for rapid."""
+        factors = _NONE
+        if self._settings.curve_weights and self._weights.by_radius.limits:
+            row = int(self._weights.by_radius.row(np.array([arc.radius]))[0])
+            velocity, acceleration, ramp = self._weights.by_radius.factors[row]
+            factors = (min(velocity, 1.0), min(acceleration, 1.0), ramp)
+
+        def make(limits: AxisLimits) -> Made:
+            return arc_dynamics(
+                limits, self._period, arc.plane, arc.begin, arc.angle, arc.radius, arc.linear, arc.length, feed, before
+            )
+
+        def turn() -> Floats:
+            there = arc.direction_at_start
+            return (there - (there if before is None else before.direction))[None, :]
+
+        def bend() -> Floats:
+            return np.array([(arc.radius * arc.angle / arc.length) ** 2 / arc.radius])
+
+        part = _Part(make, turn, _goes_on(np.array([True]), before), bend, circle=True)
+        dynamics, after, kind = self._limited(part, math.isinf(feed), factors, 1)
+        return Limited(dynamics, after, [kind])
 
     def _rows(self, length: Floats, rapid: Flags) -> Ints:
-        """The row of the weights by path length of each move, -1 without."""
+        """The row of the weights by path length of each straight move, -1 without."""
         active = self._settings.path_weights
+        if not active or not self._weights.by_length.limits:
+            return np.full(len(length), -1)
         rows = self._weights.by_length.row(length)
         if not active & _FEED_PATHS:
             rows[~rapid] = -1
@@ -251,122 +334,58 @@ class DynamicLimits:
             rows[rapid] = -1
         return rows
 
-    def _part(
-        self,
-        rapid: bool,
-        factors: Factors,
-        direction: Floats,
-        length: Floats,
-        main: Flags,
-        feed: Floats,
-        before: Border | None,
-    ) -> tuple[Dynamics, Border]:
-        """Lines of one kind."""
+    def _run(
+        self, part: Callable[[int, int, Border | None], _Part], rapid: Flags, rows: Ints, before: Border | None
+    ) -> Limited:
+        """A run of elements, cut where their kind changes."""
+        ends = [len(rapid)]
+        if not self._plain:
+            ends = [*(np.flatnonzero((np.diff(rows) != 0) | (np.diff(rapid) != 0)) + 1).tolist(), len(rapid)]
+        parts: list[Dynamics] = []
+        kinds: list[Kind] = []
+        begin = 0
+        for end in ends:
+            factors = self._weights.by_length.factors[rows[begin]] if rows[begin] >= 0 else _NONE
+            dynamics, before, kind = self._limited(part(begin, end, before), bool(rapid[begin]), factors, end - begin)
+            parts.append(dynamics)
+            kinds.append(kind)
+            begin = end
+        assert before is not None
+        if len(parts) == 1:
+            return Limited(parts[0], before, kinds)
+        names = [field.name for field in fields(Dynamics)]
+        joined = Dynamics(*(np.concatenate([getattr(one, name) for one in parts]) for name in names))
+        return Limited(joined, before, kinds)
+
+    def _limited(self, part: _Part, rapid: bool, factors: Factors, count: int) -> tuple[Dynamics, Border, Kind]:
+        """Elements of one kind."""
         limits = self.axis_limits(rapid, factors)
-        arguments = (direction, length, main, feed, before)
-        found = line_dynamics(limits, self._period, *arguments)
-        found = self._lower_entry(found, *arguments, limits)
-        dynamics, after = found
-        if self._entry_differs(curve=False):
-            free, _ = line_dynamics(self._for_entry(limits, curve=False), self._period, *arguments)
+        dynamics, after = part.make(limits)
+        other, self._before = self._before, limits
+        changed = other is not None and other is not limits
+        if self._plain and not changed:
+            return dynamics, after, Kind(count, limits)
+        settings = self._settings
+        differs = self._entry_differs(part.curved)
+        if differs:
+            free, _ = part.make(self._for_entry(limits, part.curved))
             dynamics = replace(dynamics, v_entry=free.v_entry, v_corner=free.v_corner)
-        first = direction[:1] if before is None else before.direction[None, :]
-        turn = direction - np.concatenate([first, direction[:-1]])
-        kept = main == np.concatenate([[main[0] if before is None else before.main], main[:-1]])
-        if before is None:
-            kept[0] = False
-        return self._path_limits(dynamics, self._settings.of(rapid), turn, kept, on_arc=False), after
-
-    def _lower_entry(
-        self,
-        found: tuple[Dynamics, Border],
-        direction: Floats,
-        length: Floats,
-        main: Flags,
-        feed: Floats,
-        before: Border | None,
-        limits: AxisLimits,
-    ) -> tuple[Dynamics, Border]:
-        """Where the element before had other limits: the first corner is passed as both of them allow."""
-        other, self._before = self._before, limits
-        if other is None or other is limits:
-            return found
-        dynamics, after = found
-        first = slice(0, 1)
-        if self._entry_differs(curve=False):
-            other = self._for_entry(other, curve=False)
-        there, _ = line_dynamics(other, self._period, direction[first], length[first], main[first], feed[first], before)
-        dynamics.v_entry[0] = min(dynamics.v_entry[0], there.v_entry[0])
-        dynamics.v_corner[0] = min(dynamics.v_corner[0], there.v_corner[0])
-        return dynamics, after
-
-    # ------------------------------------------------------------------ arcs
-
-    def arc(self, arc: ArcGeometry, feed: float, before: Border | None) -> Limited:
-        """Limits of an arc or helix, arrays of shape (1,); `feed` per s, inf for rapid."""
-        rapid = math.isinf(feed)
-        factors = _NONE
-        if self._settings.curve_weights and self._weights.by_radius.limits:
-            row = int(self._weights.by_radius.row(np.array([arc.radius]))[0])
-            velocity, acceleration, ramp = self._weights.by_radius.factors[row]
-            factors = (min(velocity, 1.0), min(acceleration, 1.0), ramp)
-        limits = self.axis_limits(rapid, factors)
-        dynamics, after = self._arc(limits, arc, feed, before)
-        other, self._before = self._before, limits
-        if self._plain and (other is None or other is limits):
-            return Limited(dynamics, after, [Kind(1, limits)])
-        if self._entry_differs(curve=True):
-            free, _ = self._arc(self._for_entry(limits, curve=True), arc, feed, before)
-            v_limit = dynamics.v_limit if self._settings.look_ahead & LookAhead.CURVE else free.v_limit
-            dynamics = replace(dynamics, v_entry=free.v_entry, v_corner=free.v_corner, v_limit=v_limit)
-        if other is not None and other is not limits:
-            if self._entry_differs(curve=True):
-                other = self._for_entry(other, curve=True)
-            there, _ = self._arc(other, arc, feed, before)
-            dynamics = replace(
-                dynamics,
-                v_entry=np.minimum(dynamics.v_entry, there.v_entry),
-                v_corner=np.minimum(dynamics.v_corner, there.v_corner),
-            )
-        if self._settings.geometric_ramp_time > 1.0 and self._settings.slope is not Slope.STEP:
-            longer = self._settings.geometric_ramp_time
+            if part.curved and not settings.look_ahead & LookAhead.CURVE:
+                dynamics = replace(dynamics, v_limit=free.v_limit)
+        if other is not None and changed:  # the first corner is passed as both of them allow
+            there, _ = part.make(self._for_entry(other, part.curved) if differs else other)
+            dynamics.v_entry[0] = min(dynamics.v_entry[0], there.v_entry[0])
+            dynamics.v_corner[0] = min(dynamics.v_corner[0], there.v_corner[0])
+        if part.curved and settings.geometric_ramp_time > 1.0 and settings.slope is not Slope.STEP:
+            longer = settings.geometric_ramp_time
             slower = replace(limits, jerk=limits.jerk / longer, braking_jerk=limits.braking_jerk / longer)
-            across, _ = self._arc(slower, arc, feed, before)
+            across, _ = part.make(slower)
+            lower = ("v_limit", "a_limit", "v_entry", "v_corner")
             dynamics = replace(
-                dynamics,
-                v_limit=np.minimum(dynamics.v_limit, across.v_limit),
-                a_limit=np.minimum(dynamics.a_limit, across.a_limit),
-                v_entry=np.minimum(dynamics.v_entry, across.v_entry),
-                v_corner=np.minimum(dynamics.v_corner, across.v_corner),
+                dynamics, **{name: np.minimum(getattr(dynamics, name), getattr(across, name)) for name in lower}
             )
-        moves = self._settings.of(rapid)
-        turn = np.zeros((1, limits.n))
-        if before is not None:
-            turn[0] = self._direction_at_start(arc) - before.direction
-        kept = np.array([before is not None and before.main])
-        dynamics = self._path_limits(dynamics, moves, turn, kept, on_arc=True)
-        dynamics = replace(dynamics, v_limit=np.minimum(dynamics.v_limit, self._radial_speed(arc, moves)))
-        path = self._along_path(moves, on_arc=True)
-        path = replace(path, velocity=min(path.velocity, self._radial_speed(arc, moves)))
-        return Limited(dynamics, after, [Kind(1, limits, path)])
-
-    def _arc(self, limits: AxisLimits, arc: ArcGeometry, feed: float, before: Border | None) -> tuple[Dynamics, Border]:
-        return arc_dynamics(
-            limits, self._period, arc.plane, arc.begin, arc.angle, arc.radius, arc.linear, arc.length, feed, before
-        )
-
-    def _direction_at_start(self, arc: ArcGeometry) -> Floats:
-        first, second = arc.plane
-        direction = arc.linear / arc.length
-        share = arc.radius * arc.angle / arc.length
-        direction[first], direction[second] = -share * math.sin(arc.begin), share * math.cos(arc.begin)
-        return direction
-
-    def _radial_speed(self, arc: ArcGeometry, moves: MoveSettings) -> float:
-        """Greatest speed for the radial acceleration k v² and the radial jerk k² v³."""
-        kappa = (arc.radius * arc.angle / arc.length) ** 2 / arc.radius
-        vector = moves.vector
-        return min(math.sqrt(vector.radial_acceleration / kappa), math.cbrt(vector.radial_jerk / kappa**2))
+        path = self._along_path(part, settings.of(rapid))
+        return self._path_limits(dynamics, path, settings.of(rapid), part), after, Kind(count, limits, path)
 
     # ------------------------------------------------------------------ along the path
 
@@ -375,35 +394,54 @@ class DynamicLimits:
         """Bits of LookAhead that do not hold for all axes (G115)."""
         return ALL_LIMITS & ~self._settings.look_ahead
 
-    def _along_path(self, moves: MoveSettings, *, on_arc: bool) -> PathLimits:
+    def _along_path(self, part: _Part, moves: MoveSettings) -> PathLimits:
         """#VECTOR LIMIT. On circles the limits of the acceleration hold if P-CHAN-00350 says so."""
         vector = moves.vector
         if vector.unlimited:
             return ANY
-        free = on_arc and not self._weights.limit_on_circles
+        free = part.circle and not self._weights.limit_on_circles
         acceleration = math.inf if free else vector.acceleration
         deceleration = math.inf if free else vector.deceleration
-        return PathLimits(vector.velocity, acceleration, deceleration, vector.jerk)
+        velocity: float | Floats = vector.velocity
+        if part.bend is not None and min(vector.radial_acceleration, vector.radial_jerk) < math.inf:
+            kappa = np.maximum(part.bend(), 1e-12)
+            radial = np.minimum(np.sqrt(vector.radial_acceleration / kappa), np.cbrt(vector.radial_jerk / kappa**2))
+            velocity = np.minimum(velocity, radial)
+        return PathLimits(velocity, acceleration, deceleration, vector.jerk)
 
-    def _path_limits(
-        self, dynamics: Dynamics, moves: MoveSettings, turn: Floats, kept: Flags, *, on_arc: bool
-    ) -> Dynamics:
-        """#VECTOR LIMIT and #TRANSVELMIN. `turn` (k, n): change of direction at the entry; `kept` (k,): the path goes on there
-        in the same measure."""
-        vector = moves.vector
+    def _path_limits(self, dynamics: Dynamics, path: PathLimits, moves: MoveSettings, part: _Part) -> Dynamics:
+        """#VECTOR LIMIT and #TRANSVELMIN."""
         v_entry, v_corner = dynamics.v_entry, dynamics.v_corner
-        change = np.linalg.norm(turn, axis=1)
-        path = self._along_path(moves, on_arc=on_arc)
         v_limit = np.minimum(dynamics.v_limit, path.velocity)
         a_limit = np.minimum(dynamics.a_limit, min(path.acceleration, path.deceleration))
         j_limit = np.minimum(dynamics.j_limit, path.jerk)
-        if not vector.unlimited:
+        most, least = moves.vector.transition_acceleration, self._settings.least_transition
+        if most < math.inf or least > 0.0:
+            change = np.linalg.norm(part.turn(), axis=1)
             with np.errstate(divide="ignore"):
-                most = vector.transition_acceleration * self._period / change
-            v_entry, v_corner = np.minimum(v_entry, most), np.minimum(v_corner, most)
-        if self._settings.least_transition > 0.0:
-            knee = kept & (change > TANGENTIAL)
-            least = self._settings.least_transition
+                speed = most * self._period / change
+            v_entry, v_corner = np.minimum(v_entry, speed), np.minimum(v_corner, speed)
+            knee = part.goes_on & (change > TANGENTIAL)
             v_entry = np.where(knee, np.maximum(v_entry, least), v_entry)
             v_corner = np.where(knee, np.maximum(v_corner, least), v_corner)
         return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner)
+
+
+@kernel
+def greatest_curvature(tables: Floats, length: Floats, n: int) -> Floats:
+    """Of m polynomials in the main axes, 1/mm, (m,)."""
+    found = np.zeros(length.shape[0])
+    q, u, k, r = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    for element in range(length.shape[0]):
+        for place in range(PLACES):
+            polynomial_derivatives(tables[element], place / (PLACES - 1), length[element], n, q, u, k, r)
+            square = 0.0
+            for axis in range(min(MAIN_AXES, n)):
+                square += k[axis] * k[axis]
+            found[element] = max(found[element], math.sqrt(square))
+    return found
+
+
+@warms("curvature of polynomials")
+def _warm_up() -> None:
+    greatest_curvature(np.zeros((1, ROWS, WIDTH)), np.ones(1), 2)

@@ -31,6 +31,7 @@ from runtime.cnc.blocks import (
     Line,
     Message,
     Polyline,
+    Polynomials,
     Receiver,
     Source,
     Stop,
@@ -39,16 +40,19 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolRadius,
     UserError,
     Wait,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.geometry.polynomials import MAP
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
 from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
+from runtime.cnc.path_preparation.polynomial_dynamics import fit
 from runtime.cnc.path_preparation.weight_tables import PathWeights
-from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
+from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP, POLYNOMIAL_GEOMETRY
 from runtime.diagnostics.errors import Place
 from runtime.hli.external import KINDS
 
@@ -134,6 +138,7 @@ class QueueWriter:
         self._place: Floats | None = None  # end of the last element in the queue
         self._block_end: Floats | None = None  # end of the last block, moves without length included
         self._pending: Records = np.zeros(0, dtype=RECORD)
+        self._tables: Floats | None = None  # of the pending records, if they are polynomials
         self._done = 0
         self._postponed: Block | None = None  # waits for room for its text
         self._flushing = False
@@ -173,7 +178,8 @@ class QueueWriter:
         return self._done >= len(self._pending)
 
     def _flush(self, most: int) -> int:
-        count = self.queue.append(self._pending[self._done : self._done + max(most, 1)])
+        now = slice(self._done, self._done + max(most, 1))
+        count = self.queue.append(self._pending[now], None if self._tables is None else self._tables[now])
         self._done += count
         return count
 
@@ -184,13 +190,14 @@ class QueueWriter:
         self._postponed = block if no_room else None
         if self._postponed is not None:
             return False
+        self._tables = None
         self._pending, self._done = self._records(block), 0
         self._mark(self._pending, block)
         return True
 
     def _mark(self, records: Records, block: Block) -> None:
         """What a block says of its elements beside their geometry: override off (G166), feed at the end (E word)."""
-        elements = np.flatnonzero((records["kind"] == RecordKind.LINE) | (records["kind"] == RecordKind.ARC))
+        elements = np.flatnonzero(records["kind"] <= RecordKind.POLYNOMIAL)
         if not len(elements):
             return
         if self._end_feed < math.inf:  # of the block before: both sides of the border keep to it
@@ -198,7 +205,7 @@ class QueueWriter:
             records["v_entry"][first] = min(records["v_entry"][first], self._end_feed)
             records["v_corner"][first] = min(records["v_corner"][first], self._end_feed)
             self._end_feed = math.inf
-        if isinstance(block, Line | Arc):
+        if isinstance(block, Line | Arc | Polynomials):
             if block.override_off:
                 records["override_off"][elements] = 1
             if block.end_feed is not None:
@@ -215,6 +222,8 @@ class QueueWriter:
         if isinstance(block, AxisLimitChange):
             self._limits.change_axes(block.limits)
             return np.zeros(0, dtype=RECORD)
+        if isinstance(block, Polynomials):
+            return self._polynomials(block)
         record = np.zeros(1, dtype=RECORD)
         source: Source = block.source
         record["line"] = source.line
@@ -245,6 +254,8 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
             case BlockEnd():
                 record["kind"] = RecordKind.BLOCK_END
+            case ToolRadius():
+                return record[:0]
             case Flush():
                 return self._flush_records(record, block.kind)
             case Message():
@@ -381,7 +392,7 @@ class QueueWriter:
         if all(kind.path is ANY for kind in kinds) and not (share < 1.0).any() and not self._limits.unwatched:
             return
         names = ("velocity", "acceleration", "deceleration", "jerk")
-        along = {name: np.repeat([getattr(kind.path, name) for kind in kinds], counts) for name in names}
+        along = {name: np.concatenate([kind.each(name) for kind in kinds]) for name in names}
         along["velocity"] = np.where(share < 1.0, records["v_limit"][there], along["velocity"])
         for name, limit in along.items():
             records[f"path_{name[0]}"][there] = np.where(np.isfinite(limit), limit, 0.0)
@@ -438,6 +449,45 @@ class QueueWriter:
         self._before, self._place = limited.after, arc.end
         return record
 
+    def _polynomials(self, block: Polynomials) -> Records:
+        """A run of polynomials: one record for each, more where the parameter has to be split."""
+        program, line = block.program, int(block.lines[0])
+        start = self._join(np.vstack([block.start, block.ends]), program, line)
+        gaps = np.abs(block.coefficients[1:, 0] - block.ends[:-1]).max(axis=1)
+        if (gaps > GAP).any():
+            at = int(np.argmax(gaps > GAP))
+            self._expect_no_gap(block.coefficients[at + 1, 0], block.ends[at], program, int(block.lines[at + 1]))
+        fitted = fit(block, start, NO_LENGTH)
+        if fitted is None:
+            raise PathError(POLYNOMIAL_GEOMETRY, Place(program, line))
+        parent, there = fitted.parent, fitted.length > 0.0
+        records = np.zeros(len(parent), dtype=RECORD)
+        records["line"], records["n"] = block.lines[parent], block.numbers[parent]
+        records["program"] = self.queue.program_id(program)
+        records["kind"] = np.where(there, RecordKind.POLYNOMIAL, RecordKind.BLOCK_END)
+        last_part = np.append(parent[1:] != parent[:-1], True)
+        records["block_end"] = (block.block_ends[parent] & last_part & there).astype(np.int64)
+        kept = there | block.block_ends[parent]
+        self._block_end = fitted.ends[-1]
+        if there.any():
+            feed = block.feeds[parent][there] / 60.0
+            slow = ~(feed > 0.0)
+            if slow.any():
+                at = int(parent[there][np.argmax(slow)])
+                raise PathError(NO_FEED, Place(program, int(block.lines[at])), feed=float(block.feeds[at]))
+            ends = fitted.ends[there]
+            starts = np.vstack([start, ends[:-1]])
+            rapid, length = np.isinf(feed), fitted.length[there]
+            moving = (fitted.tables[there][:, 1:MAP, : self._axes] != 0.0).any(axis=1)
+            feed, share = self._overridden(feed, rapid, moving, True)
+            limited = self._limits.polynomials(
+                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before
+            )
+            self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
+            self._before, self._place = limited.after, ends[-1]
+        self._tables = fitted.tables[kept]
+        return records[kept]
+
     def _join(self, points: Floats, program: str, line: int) -> Floats:
         """Where the element really starts: at the end of the one before. Raises PathError if that is not its start."""
         if not np.isfinite(points).all():
@@ -445,14 +495,13 @@ class QueueWriter:
             raise PathError(NOT_FINITE, Place(program, line), axis=self._names[axis])
         start: Floats = points[0]
         if self._block_end is not None:
-            gap = np.abs(start - self._block_end)
-            if gap.max() > GAP:
-                axis = int(np.argmax(gap))
-                raise PathError(
-                    PATH_GAP,
-                    Place(program, line),
-                    start=float(start[axis]),
-                    axis=self._names[axis],
-                    end=float(self._block_end[axis]),
-                )
+            self._expect_no_gap(start, self._block_end, program, line)
         return start if self._place is None else self._place
+
+    def _expect_no_gap(self, start: Floats, end: Floats, program: str, line: int) -> None:
+        gap = np.abs(start - end)
+        if gap.max() > GAP:
+            axis = int(np.argmax(gap))
+            raise PathError(
+                PATH_GAP, Place(program, line), start=float(start[axis]), axis=self._names[axis], end=float(end[axis])
+            )
