@@ -26,7 +26,8 @@ from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
-from runtime.cnc.decoder.tool_words import data_number, tool_words
+from runtime.cnc.decoder.tool_management import give_back_at_start
+from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
 from runtime.cnc.dynamic_settings import USUAL
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
@@ -56,6 +57,7 @@ class WordBlocks:
         if self._x.dynamics != USUAL:
             self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
         select_zero_offset(self._x, self._x.memory.zero_default)
+        give_back_at_start(self._x)
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
@@ -125,6 +127,8 @@ class WordBlocks:
                     STATEMENTS[added.statement.syntax.name].handler(x, StatementCall(added, values))
                 if not x.levels.entered:
                     cycles.after_block(x, False)
+            return
+        if not tools_ready(x, block, values):
             return
         x.axis_words = {axis: values[slot] for axis, slot in block.axes}
         x.letters = {index: values[slot] for index, slot in block.interpolation}

@@ -182,7 +182,7 @@ class DecoderSetup:
             m_synch=_table(parameters.m_synch, "m_synch"),
             h_synch=_table(parameters.h_synch, "h_synch"),
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
-            tools=ToolSetup.of(parameters),
+            tools=ToolSetup.of(parameters, round(machine.tools.answer_timeout / machine.cycle.period)),
             program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),
             message_paths=tuple(Path(folder) for folder in described.folders(PathKind.MESSAGES)),
             feed=parameters.prog_start.feedrate,
