@@ -17,6 +17,7 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
+from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
 from runtime.scheduler.outside import RunningMachine
@@ -113,7 +114,7 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(source))
+        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(ToolRadiusCompensation()(source)))
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks

@@ -24,6 +24,7 @@ from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
 from runtime.cnc.decoder.outside import Offline, Outside
 from runtime.cnc.decoder.plain import NeedsFull, PlainRuns
 from runtime.cnc.decoder.program import Program
+from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.decoder.sequences import next_pass
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import CalculationError, ProgramError
@@ -154,6 +155,8 @@ class Decoder:
                     raise ProgramError(catalogue.ENDLESS_LOOP, unit.place(unit.line(entry)), count=self._idle_limit)
                 frame.index = entry + 1
                 if unit.count(entry):
+                    if x.compensation.active:
+                        x.compensation.follow(x)
                     if unit.corner_follows(entry, frame.section):  # the last motion has to stay at hand
                         x.flush_run()
                         parts = list(
@@ -215,8 +218,19 @@ class Decoder:
 
     def _flushed(self, unit: Unit, block: CompiledBlock) -> Iterator[Block]:
         """The preparation comes into step with the interpolator before a block that reads something of it."""
+        self._expect_no_compensation(unit, block)
         yield from self._handed_over()
         yield Flush(Source(unit.name, block.source.line), FlushKind.WAIT)
+
+    def _expect_no_compensation(self, unit: Unit, block: CompiledBlock) -> None:
+        """No block that reads something of the cycle may stand between compensated ones."""
+        command = "reading a value of the cycle"
+        if block.statement is not None:
+            command = "#" + block.statement.statement.syntax.name
+        try:
+            expect_none(self._x, command, 1)
+        except LineError as error:
+            raise self._error(unit, error.column, block, error.entry, error.values) from None
 
     def _expect_no_line(self, unit: Unit) -> None:
         """The program is over, or flushes: no contour line may be waiting. The place is the block in work."""
@@ -265,6 +279,8 @@ class Decoder:
         """One block by its compiled form; `frame` is None for a line of a plain run."""
         x = self._x
         x.block, x.entry = block, entry
+        if x.compensation.active:
+            x.compensation.follow(x)  # a new radius
         unit, shown = x.frames[-1].unit, x.frames[-1].shown
         try:
             if block.macros:

@@ -165,6 +165,8 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    # tool radius compensation
+    wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118

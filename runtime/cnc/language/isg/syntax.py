@@ -31,6 +31,11 @@ class Group(Enum):
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
     EXACT_STOP = "exact stop"
+    COMPENSATION = "radius compensation"
+    APPROACH = "approach of the radius compensation"
+    OUTSIDE_CORNER = "outside corners of the radius compensation"
+    COMPENSATED_FEED = "feed of the radius compensation"
+    MASKING = "contour masking"
     NONE = ""  # excludes nothing
 
 
