@@ -155,8 +155,6 @@ class Decoder:
                     raise ProgramError(catalogue.ENDLESS_LOOP, unit.place(unit.line(entry)), count=self._idle_limit)
                 frame.index = entry + 1
                 if unit.count(entry):
-                    if x.compensation.active:
-                        x.compensation.follow(x)
                     if unit.corner_follows(entry, frame.section):  # the last motion has to stay at hand
                         x.flush_run()
                         parts = list(
@@ -279,8 +277,6 @@ class Decoder:
         """One block by its compiled form; `frame` is None for a line of a plain run."""
         x = self._x
         x.block, x.entry = block, entry
-        if x.compensation.active:
-            x.compensation.follow(x)  # a new radius
         unit, shown = x.frames[-1].unit, x.frames[-1].shown
         try:
             if block.macros:

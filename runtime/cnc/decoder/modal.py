@@ -61,7 +61,6 @@ class ModalState:
     feeds: dict[FeedMode, float] = field(default_factory=dict)
     radius: float | None = None  # mm, of circles by radius; negative for the longer arc
     speed: float = 0.0  # rev/min of the main spindle
-    tool: int = 0  # last T
     exact_stop: bool = False  # G360, G359
     corner_size: float | None = None  # I of G301 and G302, mm
     compensation_side: int = 0  # G40 0, G41 1, G42 -1

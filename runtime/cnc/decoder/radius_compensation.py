@@ -1,7 +1,7 @@
 """What the decoder knows of radius compensation: it tells the stage behind it what holds, and keeps apart what forbids itself.
 
-G functions and #TRC set the modal state only. Before the next motion or function `follow` looks whether that, the radius of the
-tool or mirroring makes another compensation than the stage was told, and tells it.
+G functions and #TRC set the modal state only. Before the next motion or function `follow` looks whether that or mirroring makes
+another compensation than the stage was told, and tells it. The radius of the tool is told by `Tooling`.
 """
 
 from __future__ import annotations
@@ -60,16 +60,10 @@ _PERMITTED = "FLUSH CONTINUE"
 _NEED_EXIT = (Approach.DIRECT, Approach.INDIRECT, Approach.ON_PATH, Approach.TANGENTIAL, Approach.INSIDE_CORNER)
 
 
-def compensation_radius(x: Execution) -> float:
-    """The radius of the active tool, mm."""
-    return x.compensation.radius
-
-
 class Compensation:
     """The compensation of one program run. `told` is what the stage knows, None as long as nothing was compensated."""
 
     def __init__(self) -> None:
-        self.radius = 0.0
         self.tangential = 0  # column of G05 in the block in work, 0 without
         self.told: RadiusCompensation | None = None
         self._moves = 0  # motions in the plane since G41 or G42
@@ -101,9 +95,8 @@ class Compensation:
         approach = told.approach if told is not None else modal.approach
         if side == 0 or before == 0 or self.tangential:
             approach = Approach.TANGENTIAL if self.tangential else modal.approach
-        radius = compensation_radius(x) if side or told is None else told.radius
-        now = RadiusCompensation(x.source, side, radius, approach, plane, modal.compensation)
-        if told is not None and (told.side, told.radius, told.settings) == (side, radius, modal.compensation):
+        now = RadiusCompensation(x.source, side, approach, plane, modal.compensation)
+        if told is not None and (told.side, told.settings) == (side, modal.compensation):
             return
         if told is not None and side == before == 0:
             return
@@ -143,7 +136,7 @@ class Compensation:
         if length <= NO_LENGTH:
             return
         self._direction = dx / length, dy / length
-        self._last_offset = told.side * told.radius
+        self._last_offset = told.side * x.tools.radius
         self._moves += 1
         if self.exit_open:
             self.exit_open = False

@@ -27,11 +27,13 @@ from runtime.cnc.blocks import (
     Hold,
     Line,
     Polyline,
+    Polynomials,
     RadiusCompensation,
     Source,
     SpatialArc,
     Stop,
     StopKind,
+    ToolRadius,
 )
 from runtime.cnc.tool_radius_comp.approach import (
     ApproachError,
@@ -87,7 +89,9 @@ class ToolRadiusCompensation:
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         run = _Run()
         for block in blocks:
-            if isinstance(block, RadiusCompensation):
+            if isinstance(block, ToolRadius):
+                yield from run.change_tool(block.radius)
+            elif isinstance(block, RadiusCompensation):
                 yield from run.change(block)
             elif run.off:
                 yield block
@@ -103,6 +107,8 @@ class _Run:
         self._approach = Approach.INDIRECT
         self._settings = CompensationSettings()
         self._plane = (0, 1)
+        self._radius = 0.0  # of the active tool, mm
+        self._told: RadiusCompensation | None = None  # what G functions and #TRC have said last
         self._offset = 0.0  # mm to the left, of the elements that come
         self._before: float | None = None  # offset in front of the next element, where the radius changes
         self._window = Window(0, self._plane)
@@ -120,9 +126,16 @@ class _Run:
 
     # ------------------------------------------------------------------ changes
 
+    def change_tool(self, radius: float) -> Iterator[Block]:
+        """A tool of another radius, mm."""
+        self._radius = radius
+        if self._told is not None and not self.off:
+            yield from self.change(self._told)
+
     def change(self, now: RadiusCompensation) -> Iterator[Block]:
         """G40, G41, G42, a new radius, or other settings."""
-        wanted = 0.0 if now.settings.suppress else now.side * now.radius
+        self._told = now
+        wanted = 0.0 if now.settings.suppress else now.side * self._radius
         if self._state in (_State.ON, _State.LEAVING):
             yield from self._put_out_joined()
         if now.side == 0:
@@ -190,6 +203,9 @@ class _Run:
             yield from self._motion(block)
         elif isinstance(block, SpatialArc):
             raise self._error(catalogue.CANNOT_BE_OFFSET, block.source, what="an arc in space")
+        elif isinstance(block, Polynomials):
+            source = Source(block.program, int(block.lines[0]))
+            raise self._error(catalogue.CANNOT_BE_OFFSET, source, what="a curve of polynomials (spline, contouring)")
         else:
             yield from self._other(block)
 
@@ -511,7 +527,7 @@ def _place(source: Source) -> Place:
 
 def _of(block: Block) -> Source | None:
     """Where a block stands in the program."""
-    return None if isinstance(block, Polyline) else block.source
+    return None if isinstance(block, Polyline | Polynomials) else block.source
 
 
 def _halves(block: Line | Arc) -> tuple[Line | Arc, ...]:

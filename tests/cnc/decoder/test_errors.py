@@ -13,6 +13,7 @@ import pytest
 from runtime.cnc.blocks import Synch
 from runtime.cnc.decoder import Decoder, DecoderSetupError, ProgramError, SpindleSetup, load_program, parse_synch
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import tools
 from runtime.diagnostics.errors import ErrorEntry, Problem
 from tests.cnc.decoder.programs import SETUP, decode, found, problems, without_spindle
 
@@ -43,7 +44,7 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
     ("X50P1=7\nM30", C.AXIS_UNKNOWN, 1, 1),
     ("S2=500\nM30", C.SPINDLE_UNKNOWN, 1, 1),
     ("N1 G777\nM30", C.G_UNKNOWN, 1, 4),
-    ("N1 G41 X5\nM30", C.G_UNSUPPORTED, 1, 4),
+    ("N1 G51 X5\nM30", C.G_UNSUPPORTED, 1, 4),
     ("G00 X1 G01\nM30", C.G_GROUP_TWICE, 1, 8),
     ("G90 X1 G90\nM30", C.G_GROUP_TWICE, 1, 8),
     ("G17 G18\nM30", C.G_GROUP_TWICE, 1, 5),
@@ -92,7 +93,7 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
 
 # text, entry, line, column; found while decoding
 DYNAMIC: list[tuple[str, ErrorEntry, int, int]] = [
-    ("D1\nM30", C.ADDRESS_UNSUPPORTED, 1, 1),
+    ("D1\nM30", tools.TOOL_MISSING, 1, 1),
     ("X1 F1 $GOTO N10\nM30", C.LABEL_MISSING, 1, 7),
     ("G81\nM30", C.CALL_FILE, 1, 1),
     ("X[V.P.A]\nM30", C.VARIABLE_UNSET, 1, 3),
@@ -183,7 +184,7 @@ def test_nothing_is_decoded_of_a_file_with_a_fault_at_its_end() -> None:
 
 
 def test_all_faulty_lines_are_told_but_not_more_than_twenty() -> None:
-    assert [line for _, line, _ in found("G777\nX1\nM77\nG41\nM30")] == [1, 3, 4]
+    assert [line for _, line, _ in found("G777\nX1\nM77\nG51\nM30")] == [1, 3, 4]
     assert len(problems("G777\n" * 50 + "M30")) == 20
 
 

@@ -19,7 +19,6 @@ _APPROACHES = {
     Approach.INDIRECT: "isg.trc.indirect-g139",
     Approach.ON_PATH: "isg.trc.on-path-g236",
     Approach.PERPENDICULAR: "isg.trc.perpendicular-g237",
-    Approach.INSIDE_CORNER: "isg.trc.inside-corner-g238",
     Approach.WITHOUT_BLOCK: "isg.trc.no-block-g239",
 }
 
@@ -73,4 +72,3 @@ _setting(26, Group.OUTSIDE_CORNER, "isg.trc.transitions-g25-g26", circular=True)
 _setting(10, Group.COMPENSATED_FEED, "isg.trc.feed-g10-g11", adapt_feed=False)
 _setting(11, Group.COMPENSATED_FEED, "isg.trc.feed-g10-g11", adapt_feed=True)
 _setting(140, Group.MASKING, "isg.trc.contour-masking-g140-g141", masking=False, kerf_masking=False)
-_setting(141, Group.MASKING, "isg.trc.contour-masking-g140-g141", masking=True, kerf_masking=True)

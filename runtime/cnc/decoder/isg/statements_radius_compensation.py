@@ -32,6 +32,7 @@ _UNSUPPORTED = (
     "TAPERLINK",
     "GEN_CIR_BLOCK_IN_CORNER",
 )
+_LATER = ("CONV_CIR_TO_LIN", "KERF_MASKING", "REMOVE_MASKED_BLOCKS", "SPLIT", "SPLIT_PATH")
 _FLAGS = ("SPLIT", "SPLIT_PATH", "SPLIT_OFF", "PRE", "POST", "COMBINED")
 _PARTS = ("DIST_SEG1", "FEED_SEG1", "DIST_SEG2", "FEED_SEG2")
 
@@ -71,18 +72,17 @@ def options(x: Execution, call: StatementCall) -> None:
     settings = x.modal.compensation
     for argument, value in call:
         name = argument.name
+        if name == "ONLINE" and value and not call.number("INVERSE"):
+            raise call.error(catalogue.ONLINE_WITHOUT_INVERSE, name, value=value)
+        if _absent(call, name, value):
+            raise call.error(catalogue.OPTION_UNSUPPORTED, name, option=name)
         if name in _SWITCHES:
             change: dict[str, Any] = {_SWITCHES[name]: _switch(call, name, value)}
             settings = replace(settings, **change)
         elif name == "STRETCH_FACTOR":
             settings = replace(settings, stretch=_stretch(x, call, value))
-        elif name == "TANGENTIAL_LIMIT":
-            if not 0.1 <= value <= 3.0:
-                raise call.error(catalogue.OPTION_VALUE, name, option=name, value=value, allowed="0.1 to 3 degrees")
-        elif name == "ONLINE" and value and not call.number("INVERSE"):
-            raise call.error(catalogue.ONLINE_WITHOUT_INVERSE, name, value=value)
-        elif _absent(call, name, value):
-            raise call.error(catalogue.OPTION_UNSUPPORTED, name, option=name)
+        elif name == "TANGENTIAL_LIMIT" and not 0.1 <= value <= 3.0:
+            raise call.error(catalogue.OPTION_VALUE, name, option=name, value=value, allowed="0.1 to 3 degrees")
     x.modal.compensation = _segments(x, call, settings)
     x.compensation.follow(x)
 
@@ -91,7 +91,7 @@ def _absent(call: StatementCall, name: str, value: float) -> bool:
     """Whether an option asks for what this control does not have."""
     if name == "MULTI_PATH_RADIUS":
         return call.text(name) not in ("INDIVIDUAL", "DEFAULT")
-    return name in _UNSUPPORTED and value != 0.0
+    return name in (*_UNSUPPORTED, *_LATER) and value != 0.0
 
 
 def _switch(call: StatementCall, name: str, value: float) -> bool:
