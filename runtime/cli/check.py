@@ -25,7 +25,8 @@ from runtime.cnc.decoder import (
     located,
     look_through,
 )
-from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs, smooth
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import Problem, Severity, TandemError
@@ -51,13 +52,14 @@ def command(
     try:
         machine = load_machine(config)
         setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
+        axes = AxisLimits.of(machine.axes[machine.axis_index(name)] for name in machine.channels[0].axes)
     except TandemError as error:
         for problem in error.problems:
             typer.echo(problem.explained(), err=True)
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, limits, dialect)
+        problems, warnings = check(file, setup, limits, axes, dialect)
         for problem in (*problems, *warnings):
             typer.echo(explained(problem))
         failed |= bool(problems)
@@ -65,7 +67,7 @@ def command(
 
 
 def check(
-    file: Path, setup: DecoderSetup, limits: SoftwareLimits, dialect: str = "isg"
+    file: Path, setup: DecoderSetup, limits: SoftwareLimits, axes: AxisLimits, dialect: str = "isg"
 ) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
     """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it.
 
@@ -86,7 +88,7 @@ def check(
         if errors:
             return tuple(errors), tuple(warnings)
         decoder = Decoder(program, setup, start=limits.nearest(np.zeros(len(setup.axes))), idle_limit=IDLE_LIMIT)
-        for _ in limits(SpatialArcs()(decoder.blocks())):
+        for _ in limits(smooth(SpatialArcs()(decoder.blocks()), axes, warnings)):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break

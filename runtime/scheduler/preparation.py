@@ -15,7 +15,7 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
+from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs, smooth
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -113,7 +113,8 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(source))
+        smoothed = smooth(SpatialArcs()(source), self._axis_limits)
+        blocks = SoftwareLimits.of(self._machine, self._channel)(smoothed)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks

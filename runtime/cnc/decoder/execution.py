@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, Contouring, ExactStop, Floats, Polyline, Source
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -28,6 +28,7 @@ from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Pl
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.smoothing import Smoothing
 from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.errors import CalculationError, ProgramError
@@ -96,6 +97,7 @@ class Execution:
         self.modal = ModalState()
         if setup.feed > 0:
             self.modal.feed = setup.feed
+        self.smoothing = Smoothing(Contouring(check_jerk=setup.poly_jerk))
         self.coordinates = Coordinates.at(start)
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)

@@ -131,6 +131,8 @@ class DecoderSetup:
     measuring_type: int = 1  # P-CHAN-00057
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
+    poly_jerk: int = 1  # P-CHAN-00110
+    contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
 
     @classmethod
@@ -192,6 +194,8 @@ class DecoderSetup:
             final_program=parameters.final_prog_file,
             g_programs=parameters.g_prog_files,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
+            poly_jerk=parameters.check_jerk_on_poly_path,
+            contouring_inch=bool(parameters.contouring_consider_inch),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,

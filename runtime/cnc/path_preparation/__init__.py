@@ -2,7 +2,8 @@
 
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
 from runtime.cnc.path_preparation.queue_writer import PumpState, QueueWriter
+from runtime.cnc.path_preparation.smoothing import smooth
 from runtime.cnc.path_preparation.software_limits import SoftwareLimits
 from runtime.cnc.path_preparation.spatial_arcs import SpatialArcs
 
-__all__ = ["PathError", "PumpState", "QueueWriter", "SoftwareLimitError", "SoftwareLimits", "SpatialArcs"]
+__all__ = ["PathError", "PumpState", "QueueWriter", "SoftwareLimitError", "SoftwareLimits", "SpatialArcs", "smooth"]

@@ -411,6 +411,8 @@ class QueueWriter:
                 fitted.main[there],
                 feed,
                 self._before,
+                check_jerk=block.check_jerk,
+                constant_velocity=block.constant_velocity,
             )
             ends = fitted.ends[there]
             starts = np.vstack([start, ends[:-1]])

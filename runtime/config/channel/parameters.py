@@ -165,6 +165,9 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    # smoothing
+    check_jerk_on_poly_path: int = Field(default=1, ge=0, le=3)  # P-CHAN-00110
+    contouring_consider_inch: bool = False  # P-CHAN-00439, lengths of smoothing in inch under G70
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118
