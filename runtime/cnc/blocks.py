@@ -12,6 +12,8 @@ from enum import Enum, IntEnum, IntFlag
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.geometry.axis_limits import AxisLimits
+
 Floats = npt.NDArray[np.float64]
 
 
@@ -333,6 +335,17 @@ class ContourChange:
     keeps: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class AxisLimitChange:
+    """What the axes of the channel may do from here on: weights, ramp times, slope types, groups, worked out.
+
+    Taken by the queue writer; no record of its own reaches the queue.
+    """
+
+    source: Source
+    limits: AxisLimits
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -437,6 +450,7 @@ Block = (
     | BlockEnd
     | SoftwareLimitChange
     | ContourChange
+    | AxisLimitChange
     | Flush
     | Hold
     | Message

@@ -12,6 +12,12 @@ Indices only grow. A counter is stored after the records it covers (x86-64 keeps
 ever sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says
 how much.
 
+What the axes may do on an element is the set of limits with the number `limits` (`queue_limits`): per axis velocity,
+acceleration and jerk, separately for speeding up and slowing down. `v_corner` is what the corner before the element
+allows by itself: jumps of velocity and acceleration, exact stops, the feed at the end of the block before. What the
+path velocity may be on the element follows from both and the geometry. `v_limit`, `a_limit`, `j_limit` and `v_entry`
+are the same in one box per element.
+
 The coefficients of a polynomial lie in a second array, in the slot of its record. It is written for polynomials only, so
 that lines cost nothing more.
 
@@ -28,6 +34,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.geometry.polynomials import ROWS, WIDTH
+from runtime.cnc.queue_limits import QueueLimits, limits_bytes
 from runtime.cnc.queue_texts import TEXTS_BYTES, QueueTexts
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
@@ -112,6 +119,8 @@ RECORD = np.dtype(
         ("size", "i8"),
         # LINE, ARC, POLYNOMIAL
         ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
+        ("limits", "i8"),  # number of the set of axis limits
+        ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
     ],
     align=True,
 )
@@ -133,7 +142,8 @@ class MotionQueue:
         self.n_axes = n_axes
         self.capacity = capacity
         self._memory: shared_memory.SharedMemory | None = None
-        records = _HEAD + _NAMES + TEXTS_BYTES
+        sets = _HEAD + _NAMES + TEXTS_BYTES
+        records = sets + limits_bytes(MAX_AXES)
         polynomials = records + capacity * RECORD.itemsize
         size = polynomials + capacity * ROWS * WIDTH * 8
         if name is None:
@@ -145,6 +155,7 @@ class MotionQueue:
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
         self.texts = QueueTexts(buffer, _HEAD + _NAMES)
+        self.limits = QueueLimits(buffer, sets, MAX_AXES, n_axes, self.counters)
         self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=records)
         self._kinds = self.records["kind"]
         numbers = np.frombuffer(buffer, dtype=np.float64, count=capacity * ROWS * WIDTH, offset=polynomials)
@@ -223,7 +234,7 @@ class MotionQueue:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self.counters, self._names, self.texts, self.records, self._kinds, self.polynomials
+        del self.counters, self._names, self.texts, self.limits, self.records, self._kinds, self.polynomials
         if unlink:
             remove_shared(memory)
         else:

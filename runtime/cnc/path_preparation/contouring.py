@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from runtime.cnc.blocks import (
     Arc,
+    AxisLimitChange,
     Block,
     BlockEnd,
     ContourAction,
@@ -114,10 +115,13 @@ class ContouringStage:
                     self._at_end()
                 yield from self._release()
                 yield block
-            elif self._held is not None:
-                self._held.between.append(block)
             else:
-                yield block
+                if isinstance(block, AxisLimitChange):
+                    self._limits = block.limits
+                if self._held is not None:
+                    self._held.between.append(block)
+                else:
+                    yield block
         yield from self._release()
 
     # ------------------------------------------------------------------ settings
@@ -286,7 +290,9 @@ class ContouringStage:
         count = np.zeros(corners, dtype=np.int64)
         trims, curves = np.zeros((corners, 2)), np.zeros((corners, PIECES, TERMS, limits.n))
         settings = _settings_of(contouring, elements[0])
-        corner_curves(elements, settings, limits.velocity, limits.acceleration, limits.jerk, count, trims, curves)
+        corner_curves(
+            elements, settings, limits.velocity, limits.least_acceleration, limits.least_jerk, count, trims, curves
+        )
         return count, trims, curves
 
     def _elements(self, run: Polyline) -> Elements:

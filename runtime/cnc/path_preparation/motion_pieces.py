@@ -160,9 +160,10 @@ def joined(first: Polynomials, second: Polynomials) -> Polynomials | None:
 def interleaved(
     run: Polyline, length: Floats, count: npt.NDArray[np.int64], trims: Floats, curves: Floats, taken: float, ends: str
 ) -> Polynomials:
-    """What is left of the first k lines of a run, each followed by the `count` (k,) polynomials of its curve in `curves` (k, 4, 6, n).
+    """What is left of the first k lines of a run, each followed by the `count` (k,) polynomials of its curve.
 
-    `trims` (k, 2): taken from the end of the line, and from the start of the next; `taken` from that of the first one.
+
+    `curves` (k, 4, 6, n); `trims` (k, 2): taken from the end of the line, and from the start of the next; `taken` from that of the first one.
     The NC block of a line ends "before", "within" or "behind" its curve.
     """
     k, n = len(count), run.points.shape[1]

@@ -26,6 +26,7 @@ from runtime.cnc.path_preparation.dynamics import (
     Border,
     Dynamics,
     corner_speed,
+    jump_speed,
 )
 from runtime.kernels import kernel, warms
 
@@ -172,8 +173,8 @@ def polynomial_dynamics(
     m, n = len(length), limits.n
     boxes, borders = np.zeros((m, 3)), np.zeros((m, 2, 2, n))
     element_limits(
-        tables, length, main, feed, limits.velocity, limits.acceleration, limits.jerk, RATE_SHARE if check_jerk else 0.0,
-        boxes, borders,
+        tables, length, main, feed, limits.velocity, limits.least_acceleration, limits.least_jerk,
+        RATE_SHARE if check_jerk else 0.0, boxes, borders,
     )  # fmt: skip
     if constant_velocity:
         boxes[:, 0] = boxes[:, 0].min()
@@ -182,11 +183,13 @@ def polynomial_dynamics(
     turn, bend = np.abs(borders[:, 0, 0] - ends[:, 0]), np.abs(borders[:, 0, 1] - ends[:, 1])
     mean = 0.5 * (length + np.concatenate([[first.length], length[:-1]]))
     v_entry = corner_speed(limits, period, turn, bend, mean, GREATEST_CURVATURE_SHARE)
-    v_entry[np.concatenate([[first.main], main[:-1]]) != main] = 0.0
+    v_corner = jump_speed(limits, period, turn, bend)
+    measured_anew = np.concatenate([[first.main], main[:-1]]) != main
     if before is None:
-        v_entry[0] = 0.0
+        measured_anew[0] = True
+    v_entry[measured_anew] = v_corner[measured_anew] = 0.0
     after = Border(borders[-1, 1, 0], borders[-1, 1, 1], float(length[-1]), bool(main[-1]))
-    return Dynamics(boxes[:, 0], boxes[:, 1], boxes[:, 2], v_entry), after
+    return Dynamics(boxes[:, 0], boxes[:, 1], boxes[:, 2], v_entry, v_corner), after
 
 
 @warms("limits of polynomials")

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from runtime.cnc.blocks import (
     Arc,
+    AxisLimitChange,
     Block,
     BlockEnd,
     Dwell,
@@ -121,7 +122,8 @@ class QueueWriter:
     ) -> None:
         self.queue = queue
         self._error_text = error_text
-        self._limits = limits
+        self._limits = limits  # of the elements from here on; None of them is in the queue before it has its set
+        self._set: int | None = None
         self._period = period
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
@@ -175,11 +177,16 @@ class QueueWriter:
         return count
 
     def _take(self, block: Block) -> bool:
-        """Make the records of a block; FALSE if there is no room for its text."""
+        """Make the records of a block; FALSE if there is no room for its text or its limits."""
         no_room = self.queue.texts.free == 0 and _with_text(block)
+        no_room = no_room or (not self.queue.limits.room and (self._set is None or isinstance(block, AxisLimitChange)))
         self._postponed = block if no_room else None
         if self._postponed is not None:
             return False
+        if isinstance(block, AxisLimitChange):
+            self._limits, self._set = block.limits, None
+        if self._set is None:
+            self._set = self.queue.limits.put(self._limits)
         self._tables = None
         self._pending, self._done = self._records(block), 0
         self._mark(self._pending, block)
@@ -193,6 +200,7 @@ class QueueWriter:
         if self._end_feed < math.inf:  # of the block before: both sides of the border keep to it
             first = elements[0]
             records["v_entry"][first] = min(records["v_entry"][first], self._end_feed)
+            records["v_corner"][first] = min(records["v_corner"][first], self._end_feed)
             self._end_feed = math.inf
         if isinstance(block, Line | Arc | Polynomials):
             if block.override_off:
@@ -205,6 +213,8 @@ class QueueWriter:
     def _records(self, block: Block) -> Records:
         if isinstance(block, Polyline):
             return self._polyline(block)
+        if isinstance(block, AxisLimitChange):
+            return np.zeros(0, dtype=RECORD)
         if isinstance(block, Polynomials):
             return self._polynomials(block)
         record = np.zeros(1, dtype=RECORD)
@@ -339,6 +349,8 @@ class QueueWriter:
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit
         records["v_entry"][there] = dynamics.v_entry
+        records["v_corner"][there] = dynamics.v_corner
+        records["limits"][there] = self._set
 
     def _arc(self, record: Records, arc: Arc) -> Records:
         program, line = arc.source.program, arc.source.line

@@ -516,5 +516,4 @@ def test_driven_along_a_square_spiral() -> None:
     assert run.finished
     check_path_laws(run)
     assert run.path[-1] == pytest.approx([x, y, 0.0], abs=1e-12)
-    assert sum(v == 0.0 for v in run.v) <= 2  # no corner is a stop
     assert isinstance(program.blocks[-1], Stop)
