@@ -162,8 +162,8 @@ def interleaved(
 ) -> Polynomials:
     """What is left of the first k lines of a run, each followed by the `count` (k,) polynomials of its curve.
 
-
-    `curves` (k, 4, 6, n); `trims` (k, 2): taken from the end of the line, and from the start of the next; `taken` from that of the first one.
+    `curves` (k, 4, 6, n). `trims` (k, 2): taken from the end of the line, and from the start of the next; `taken` from that of
+    the first one.
     The NC block of a line ends "before", "within" or "behind" its curve.
     """
     k, n = len(count), run.points.shape[1]

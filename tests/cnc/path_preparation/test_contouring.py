@@ -359,7 +359,7 @@ def test_functions_stand_where_the_settings_say(word: str, place: int) -> None:
     assert sum(len(b.coefficients) for b in program.blocks[:at] if isinstance(b, Polynomials)) == place
     assert kinds.index(BlockEnd) > at
     assert Wait in kinds
-    assert sum(isinstance(block, BlockEnd) for block in program.blocks) == 2
+    assert sum(isinstance(block, BlockEnd) for block in program.blocks) == 1
 
 
 @pytest.mark.spec("isg.smooth.contour-actions")

@@ -8,7 +8,7 @@ from typing import Any
 
 from runtime.cnc.blocks import ContourAction, ContourChange, Contouring, ContourMethod
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.isg.registry import GCall, StatementCall, StatementHandler, g_function, statement
+from runtime.cnc.decoder.isg.registry import GCall, StatementCall, StatementHandler, g_function, statement, variable
 from runtime.cnc.language.isg.syntax import Form, Group, Key, KeyKind
 from runtime.diagnostics.catalogue import smoothing as catalogue
 
@@ -62,6 +62,14 @@ def contour_off(x: Execution, call: GCall) -> None:
 def _select(x: Execution, on: bool, keeps: bool = True) -> None:
     x.smoothing.contouring_on = on
     x.emit(ContourChange(x.source, x.smoothing.contouring if on else None, keeps=keeps))
+
+
+_NUMBER = {ContourMethod.DISTANCE: 3, ContourMethod.DEVIATION: 4, ContourMethod.POINT: 5, ContourMethod.SOFT: 6}
+
+
+@variable("V.G.CONT_MODE_ACTIVE", "isg.var.g-active-flags", "with G261: 3 DIST, 4 DEV, 5 POS, 6 DIST_SOFT; 0 with G260")
+def contour_method(x: Execution) -> float:
+    return float(_NUMBER[x.smoothing.contouring.method]) if x.smoothing.contouring_on else 0.0
 
 
 # ---------------------------------------------------------------------------------------------------- #CONTOUR MODE
