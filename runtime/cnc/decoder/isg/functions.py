@@ -15,6 +15,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_messages,
     statements_positions,
     statements_timers,
+    statements_tool_life,
     statements_tools,
     statements_variables,
     variables_axis,
