@@ -521,6 +521,29 @@ class TimerAction:
     timer: int
 
 
+class LifeCommand(Enum):
+    """What happens to the record of tool life."""
+
+    CHANGE = "T"  # the record of the tool before is told, that of another tool begins
+    READ = "#TOOL LIFE READ"  # it is told as that of a tool, and goes on
+    REMOVE = "#TOOL LIFE REMOVE"  # it begins at 0
+    DEFINE = "#TOOL LIFE DEF"  # it goes on from `time` and `distance`
+    WEIGHT = "V.TLM"  # `time` and `distance` are factors from here on
+
+
+@dataclass(frozen=True, slots=True)
+class ToolLifeAction:
+    """The record of tool life, when the path is here. `time` in s, `distance` in mm; factors for WEIGHT."""
+
+    source: Source
+    command: LifeCommand
+    basic: int = 0
+    sister: int = 0
+    variant: int = 0
+    time: float = 0.0
+    distance: float = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class ExternalWrite:
     """A synchronous external variable gets its value when the path is here; `offset` in bytes into the V.E area.
@@ -570,6 +593,7 @@ Block = (
     | Hold
     | Message
     | TimerAction
+    | ToolLifeAction
     | ExternalWrite
     | UserError
 )

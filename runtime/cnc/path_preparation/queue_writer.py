@@ -29,6 +29,7 @@ from runtime.cnc.blocks import (
     Flush,
     FlushKind,
     Hold,
+    LifeCommand,
     Line,
     Message,
     Polyline,
@@ -40,6 +41,7 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolLifeAction,
     ToolRadius,
     UserError,
     Wait,
@@ -72,6 +74,7 @@ _STOPS = {
 
 _RECEIVERS = tuple(Receiver)
 _TIMER_COMMANDS = tuple(TimerCommand)
+_LIFE_COMMANDS = tuple(LifeCommand)
 
 
 class PumpState(Enum):
@@ -264,6 +267,11 @@ class QueueWriter:
             case TimerAction():
                 record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
                 record["value"] = _TIMER_COMMANDS.index(block.command)
+            case ToolLifeAction():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.TOOL_LIFE
+                record["number"] = _LIFE_COMMANDS.index(block.command)
+                record["offset"], record["size"], record["feed"] = block.basic, block.sister, block.variant
+                record["seconds"], record["value"] = block.time, block.distance
             case ExternalWrite():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.EXTERNAL
                 record["number"], record["offset"], record["size"] = KINDS.index(block.kind), block.offset, block.size

@@ -173,6 +173,10 @@ class ChannelParameters(Model):
     ext_wzv_vorhanden: bool = False  # P-CHAN-00016, the tools are those of an external tool management
     t_info_to_wzv: bool = False  # P-CHAN-00087, it is told of T
     t_with_implicit_flush: bool = False  # P-CHAN-00106, #FLUSH CONTINUE with T
+    tool_life_to_wzv: bool = False  # P-CHAN-00076, it is told how long tools are in use
+    tool_life_to_wzv_suppress_zero: bool = False  # P-CHAN-00243, unless they were not
+    tool_life_capture_all_movements: bool = False  # P-CHAN-00255, rapid traverse counts too
+    tool_life_with_d: bool = False  # P-CHAN-00482, a tool is in use from D on, and not from T on
     d_clear_to_wzv: bool = False  # P-CHAN-00103, a program start saves the tool of the program before
     einrechnen_mit_t: bool = False  # P-CHAN-00014, T executes D with its number
     move_tool_offsets_directly: bool = False  # P-CHAN-00100, D moves the axes at once

@@ -23,6 +23,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_radius_compensation,
     statements_technology,
     statements_timers,
+    statements_tool_life,
     statements_tools,
     statements_variables,
     variables_axis,
