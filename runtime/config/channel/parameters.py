@@ -40,6 +40,14 @@ class ChannelTool(Model):
     """`tool.*`."""
 
     synch: str = "NO_SYNCH"  # P-CHAN-00086
+    minimum_length: int = 0  # P-CHAN-00156, 0.1 µm; 0: not checked
+    minimum_radius: int = 0  # P-CHAN-00157, 0.1 µm; 0: not checked
+
+
+class ChannelFlush(Model):
+    """`flush.*`: functions that wait for the path."""
+
+    d_cmd: str = "D"  # P-CHAN-00271: D, or FAW_D for #FLUSH WAIT before a D word
 
 
 class StartFunction(Model):
@@ -141,6 +149,15 @@ class ChannelParameters(Model):
     m_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00041
     h_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00027
     tool: ChannelTool = ChannelTool()
+    # tools
+    flush: ChannelFlush = ChannelFlush()
+    ext_wzv_vorhanden: bool = False  # P-CHAN-00016, the tools are those of an external tool management
+    t_info_to_wzv: bool = False  # P-CHAN-00087, it is told of T
+    t_with_implicit_flush: bool = False  # P-CHAN-00106, #FLUSH CONTINUE with T
+    d_clear_to_wzv: bool = False  # P-CHAN-00103, a program start saves the tool of the program before
+    einrechnen_mit_t: bool = False  # P-CHAN-00014, T executes D with its number
+    move_tool_offsets_directly: bool = False  # P-CHAN-00100, D moves the axes at once
+    remain_tool_length_in_ax: bool = False  # P-CHAN-00420, the length stays in Z in every plane
     # spindles and axes
     spdl_anzahl: int = 0  # P-CHAN-00082, number of spindles when given
     spindel: Several[ChannelSpindle] = ()
