@@ -57,13 +57,20 @@ class Rig:
 
     def done(self, job: Followed) -> None:
         self.until(lambda: not job.open)
-        assert job.answer.state == JobState.DONE, job.answer
+        assert outcome(job) is JobState.DONE, job.answer
+
+    def state(self) -> MotionState:
+        return self.jobs.state
 
     def velocity(self) -> float:
         return (self.path[-1] - self.path[-2]) / PERIOD
 
     def assert_limits(self) -> None:
         assert_limits(self.path)
+
+
+def outcome(job: Followed) -> JobState:
+    return job.answer.state
 
 
 def assert_limits(path: list[float]) -> None:
@@ -80,17 +87,17 @@ def assert_limits(path: list[float]) -> None:
 def test_the_moves_of_plcopen_lead_where_they_say() -> None:
     rig = Rig()
     job = rig.give(F.MOVE_ABSOLUTE, position=50.0, velocity=80.0)
-    assert rig.jobs.state == MotionState.DISCRETE_MOTION
+    assert rig.state() is MotionState.DISCRETE_MOTION
     rig.done(job)
     assert rig.path[-1] == 50.0
     rig.step(2)
-    assert rig.jobs.state == MotionState.STANDSTILL
+    assert rig.state() is MotionState.STANDSTILL
     rig.done(rig.give(F.MOVE_RELATIVE, position=-20.0, velocity=80.0))
     assert rig.path[-1] == 30.0
     first = rig.give(F.MOVE_RELATIVE, position=100.0, velocity=50.0)
     rig.step(300)
     second = rig.give(F.MOVE_ADDITIVE, position=10.0, velocity=50.0)
-    assert first.answer.state == JobState.ABORTED
+    assert outcome(first) is JobState.ABORTED
     rig.done(second)
     assert rig.path[-1] == pytest.approx(140.0), "added to the target that was not reached"
     first = rig.give(F.MOVE_RELATIVE, position=-100.0, velocity=50.0)
@@ -106,26 +113,26 @@ def test_endless_motion_halt_and_stop() -> None:
     run = rig.give(F.MOVE_VELOCITY, velocity=40.0, direction=Direction.NEGATIVE)
     rig.until(lambda: run.answer.state is JobState.REACHED)
     assert rig.velocity() == pytest.approx(-40.0, abs=0.05)
-    assert rig.jobs.state == MotionState.CONTINUOUS_MOTION
+    assert rig.state() is MotionState.CONTINUOUS_MOTION
     on = rig.give(F.MOVE_VELOCITY, velocity=20.0, direction=Direction.CURRENT)
     rig.until(lambda: on.answer.state is JobState.REACHED)
     assert rig.velocity() == pytest.approx(-20.0, abs=0.05)
     halt = rig.give(F.HALT)
-    assert rig.jobs.state == MotionState.DISCRETE_MOTION
+    assert rig.state() is MotionState.DISCRETE_MOTION
     rig.done(halt)
     rig.give(F.MOVE_VELOCITY, velocity=40.0)
     rig.step(100)
     rig.cycle.stop_hold = True
     stop = rig.give(F.STOP)
-    assert rig.jobs.state == MotionState.STOPPING
+    assert rig.state() is MotionState.STOPPING
     rig.done(stop)
     rig.step(10)
-    assert rig.jobs.state == MotionState.STOPPING, "until Execute falls"
+    assert rig.state() is MotionState.STOPPING, "until Execute falls"
     refused = rig.give(F.MOVE_RELATIVE, position=1.0, velocity=1.0)
     assert refused.answer == (JobState.ERROR, 308005, 0.0)
     rig.cycle.stop_hold = False
     rig.step(3)
-    assert rig.jobs.state == MotionState.STANDSTILL
+    assert rig.state() is MotionState.STANDSTILL
     rig.assert_limits()
 
 
@@ -171,7 +178,7 @@ def test_an_endless_motion_comes_to_rest_at_the_software_limit() -> None:
     assert run.answer == (JobState.ERROR, 308007, 0.0)
     assert rig.path[-1] == GREATEST
     rig.step(3)
-    assert rig.jobs.state == MotionState.STANDSTILL
+    assert rig.state() is MotionState.STANDSTILL
     rig.done(rig.give(F.MOVE_RELATIVE, position=-10.0, velocity=50.0))
     rig.assert_limits()
 
@@ -190,12 +197,12 @@ def test_buffer_modes_pass_the_first_target_with_their_velocity(mode: BufferMode
     rig = Rig()
     first = rig.give(F.MOVE_ABSOLUTE, position=60.0, velocity=60.0)
     second = rig.give(F.MOVE_ABSOLUTE, position=120.0, velocity=30.0, buffer_mode=mode)
-    assert second.answer.state == JobState.BUSY
+    assert outcome(second) is JobState.BUSY
     full = rig.give(F.MOVE_ABSOLUTE, position=0.0, velocity=1.0, buffer_mode=mode)
     assert full.answer.error == 308009
     rig.until(lambda: not first.open)
-    assert first.answer.state == JobState.DONE
-    assert second.answer.state == JobState.ACTIVE
+    assert outcome(first) is JobState.DONE
+    assert outcome(second) is JobState.ACTIVE
     passing = float(np.interp(60.0, rig.path[1:], np.diff(rig.path) / PERIOD))
     assert passing == pytest.approx(speed, abs=1.5)
     rig.done(second)
@@ -219,10 +226,10 @@ def test_a_superimposed_way_is_added_and_the_motion_below_goes_on() -> None:
     rig.until(lambda: run.answer.state is JobState.REACHED)
     begin, start = rig.path[-1], rig.time
     added = rig.give(F.MOVE_SUPERIMPOSED, position=25.0, velocity=40.0)
-    assert rig.jobs.state == MotionState.CONTINUOUS_MOTION
+    assert rig.state() is MotionState.CONTINUOUS_MOTION
     rig.until(lambda: not added.open)
-    assert added.answer.state == JobState.DONE
-    assert run.answer.state == JobState.REACHED, "InVelocity stays"
+    assert outcome(added) is JobState.DONE
+    assert outcome(run) is JobState.REACHED, "InVelocity stays"
     assert rig.path[-1] == pytest.approx(begin + 25.0 + 30.0 * (rig.time - start), abs=1e-6)
     rig.done(rig.give(F.MOVE_ABSOLUTE, position=0.0, velocity=100.0))
     assert rig.path[-1] == 0.0
@@ -250,8 +257,8 @@ def test_a_gear_follows_its_master_and_lets_go_with_its_velocity() -> None:
     rig.master = lambda t: smoothly(t, 30.0)
     gear = rig.give(F.GEAR_IN, master=2, numerator=-3.0, denominator=2.0)
     rig.step(2000)
-    assert gear.answer.state == JobState.REACHED
-    assert rig.jobs.state == MotionState.SYNCHRONIZED_MOTION
+    assert outcome(gear) is JobState.REACHED
+    assert rig.state() is MotionState.SYNCHRONIZED_MOTION
     here, master = rig.path[-1], rig.master(rig.time - PERIOD)
     rig.step(1000)
     assert rig.path[-1] - here == pytest.approx(-1.5 * (rig.master(rig.time - PERIOD) - master))
@@ -260,13 +267,13 @@ def test_a_gear_follows_its_master_and_lets_go_with_its_velocity() -> None:
     rig.done(shift)
     assert rig.path[-1] - here == pytest.approx(5.0 - 1.5 * (rig.master(rig.time - PERIOD) - master), abs=0.1)
     out = rig.give(F.GEAR_OUT)
-    assert out.answer.state == JobState.DONE
-    assert gear.answer.state == JobState.ABORTED
+    assert outcome(out) is JobState.DONE
+    assert outcome(gear) is JobState.ABORTED
     speed = rig.velocity()
     rig.master = lambda t: 0.0
     rig.step(100)
     assert rig.velocity() == pytest.approx(speed, rel=0.01)
-    assert rig.jobs.state == MotionState.CONTINUOUS_MOTION
+    assert rig.state() is MotionState.CONTINUOUS_MOTION
     rig.assert_limits()
 
 
@@ -285,14 +292,14 @@ def test_a_slave_that_cannot_follow_stops_inside_its_limits(master: Callable[[fl
     rig.until(lambda: not gear.open)
     assert gear.answer == (JobState.ERROR, 308013, 0.0)
     assert says in rig.jobs.problems[-1].text
-    assert rig.jobs.state == MotionState.ERROR_STOP
+    assert rig.state() is MotionState.ERROR_STOP
     rig.until(lambda: rig.jobs.standing)
     rig.assert_limits()
     assert rig.give(F.MOVE_RELATIVE, position=-1.0, velocity=1.0).answer.error == 308004
     rig.step(3)
     rig.give(F.RESET)
     rig.step()
-    assert rig.jobs.state == MotionState.STANDSTILL
+    assert rig.state() is MotionState.STANDSTILL
     rig.done(rig.give(F.MOVE_RELATIVE, position=-1.0, velocity=1.0))
 
 
@@ -305,7 +312,7 @@ def test_feed_hold_and_override_of_the_axis_act_on_its_jobs() -> None:
     here = rig.path[-1]
     rig.step(300)
     assert rig.path[-1] == here
-    assert job.answer.state == JobState.ACTIVE
+    assert outcome(job) is JobState.ACTIVE
     rig.cycle.hold, rig.cycle.override = False, 0.1
     rig.step(300)
     assert rig.velocity() == pytest.approx(5.0, abs=0.05)
@@ -321,7 +328,7 @@ def test_an_axis_that_is_off_or_in_the_path_takes_no_job() -> None:
     assert rig.give(F.MOVE_RELATIVE, position=1.0, velocity=1.0).answer.error == 308003
     rig.cycle.in_path, rig.cycle.enabled = False, False
     rig.step()
-    assert rig.jobs.state == MotionState.DISABLED
+    assert rig.state() is MotionState.DISABLED
     assert rig.give(F.MOVE_RELATIVE, position=1.0, velocity=1.0).answer.error == 308002
     rig.cycle.enabled = True
     rig.step()
@@ -329,7 +336,7 @@ def test_an_axis_that_is_off_or_in_the_path_takes_no_job() -> None:
     rig.step(200)
     rig.cycle.enabled = False
     rig.step()
-    assert job.answer.state == JobState.ABORTED
+    assert outcome(job) is JobState.ABORTED
     assert rig.jobs.step(rig.cycle) is None, "the axis tracks"
 
 
@@ -342,9 +349,9 @@ def test_a_probe_records_the_place_of_its_edge() -> None:
     assert probe.answer == (JobState.DONE, 0, 3.5), "an input that is TRUE already has no edge"
     probe = rig.give(F.TOUCH_PROBE, mode=1, master=3)
     again = rig.give(F.TOUCH_PROBE, mode=1, master=3)
-    assert probe.answer.state == JobState.ABORTED
+    assert outcome(probe) is JobState.ABORTED
     rig.give(F.ABORT_TRIGGER)
-    assert again.answer.state == JobState.ABORTED
+    assert outcome(again) is JobState.ABORTED
     assert rig.jobs.probe_input == 0
 
 
