@@ -185,7 +185,7 @@ class MachineBench:
         if not hasattr(self.simulation, "nodes"):
             raise ValueError("ideal drives do not fail: @pytest.mark.tandem(simulated_drives=True)")
         nodes = self.simulation.nodes
-        nodes.inject(node, Fault(what))
+        nodes.inject(node, Fault(str(what)))
         return lambda: nodes.heal(node)
 
     # ------------------------------------------------------------------ looking

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:  # a run that uses no machine does not load one
-    from runtime.testbench.bench import MachineBench, ProgramResult, Rule
+    from runtime.fieldbus.simulator.plant import Rule
+    from runtime.testbench.bench import MachineBench, ProgramResult
 
 _MARK = "tandem(machine, plc, simulated_drives): the machine of a test: description, PLC program, drives that can fail"
 

@@ -64,7 +64,7 @@ def test_the_operator_holds_resets_and_starts_again(
     wait_until(lambda: machine.position("X") > 20.0)
     press("hold")
     wait_until(lambda: not machine.moving, 1.0)
-    assert machine.state is State.HOLD
+    assert machine.state.name == "HOLD"
     press("resume")
     wait_until(lambda: machine.moving, 1.0)
     press("reset")
