@@ -2,7 +2,7 @@
 
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
 fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
-axis jobs 308xxx.
+radius compensation 309xxx, axis jobs 308xxx.
 """
 
 from __future__ import annotations
@@ -17,12 +17,26 @@ from runtime.diagnostics.catalogue import (
     machine,
     motion,
     plc,
+    radius,
     system,
+    technology,
     tools,
 )
 from runtime.diagnostics.errors import ErrorEntry
 
-_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine, tools, axis_jobs)
+_AREAS: tuple[ModuleType, ...] = (
+    language,
+    motion,
+    configuration,
+    fieldbus,
+    plc,
+    system,
+    machine,
+    technology,
+    tools,
+    radius,
+    axis_jobs,
+)
 
 
 def _collect() -> dict[int, ErrorEntry]:
