@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, auto
 
 import numpy as np
@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
+from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
 from runtime.cnc.blocks import Synch, Technology
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
@@ -70,6 +71,7 @@ _TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
 _MESSAGE = int(StopCondition.MESSAGE)
 _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
 _EXACT_STOP = int(StopCondition.EXACT_STOP)
+_MANUAL = int(StopCondition.MANUAL)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -94,6 +96,10 @@ class ChannelInputs:
     single_block: bool = False
     optional_stop: bool = False
     continue_motion: bool = False
+    # of the path axes, in their order
+    axis_holds: list[bool] = field(default_factory=list)
+    blocked: list[int] = field(default_factory=list)  # runtime.hli.layout.Blocked
+    limits: list[tuple[float, float] | None] = field(default_factory=list)  # dynamic ones, mm or degrees
 
 
 @dataclass(slots=True)
@@ -129,9 +135,12 @@ class Channel:
         period: float,
         axes: npt.NDArray[np.int64],
         window: Floats,
+        beside: BesidePath,
     ) -> None:
         self._axes = axes
         self._window = window
+        self.beside = beside
+        self.locked = False  # the axes are not moved in this program (machine lock)
         self.queue = queue
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
         self.interpolator = interpolator
@@ -169,9 +178,10 @@ class Channel:
 
     # ------------------------------------------------------------------ orders
 
-    def start(self, program: str, position: Floats, skip_levels: int) -> None:
-        """Begin `program` from the machine position (n_axes,); the caller has checked that the axes are ready."""
-        self.program = program
+    def start(self, order: StartOrder, *, locked: bool = False) -> None:
+        """Begin a program from its machine position (n_axes,); the caller has checked that the axes are ready."""
+        self.program = order.program
+        self.locked = locked
         self.program_ended = False
         self.error = None
         self._told_failure = self._user_error_told = False
@@ -179,8 +189,9 @@ class Channel:
         self.block_counter = 0
         self.actions.begin()
         self.queue.discard_all()
-        self.interpolator.restart(position)
-        self.link.start(StartOrder(program, position, skip_levels))
+        self.beside.begin()
+        self.interpolator.restart(order.start)
+        self.link.start(order)
         self.phase = Phase.STARTING
 
     def abort(self) -> None:
@@ -189,12 +200,14 @@ class Channel:
             self._clear()
         elif self.phase is Phase.RUNNING:
             self.interpolator.abort()
+            self.beside.stop()
             self.phase = Phase.ABORTING
 
     def abort_at_once(self, position: Floats) -> None:
         """The axes brake by themselves (quick stop, bus gone): drop the program, the path starts anew at `position`."""
         if self.phase in (Phase.STARTING, Phase.RUNNING, Phase.ABORTING):
             self._clear()
+        self.beside.drop()
         self.interpolator.restart(position)
 
     def fail(self, entry: ErrorEntry) -> None:
@@ -295,6 +308,9 @@ class Channel:
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=override, feed_hold=held, single_block=inputs.single_block)
+        problem = self.beside.step(inputs, path, actual[self._axes])
+        if problem is not None:
+            self.problems.append(problem)
         passed = path.passed
         for index in passed:
             self._pass(index)
@@ -304,7 +320,7 @@ class Channel:
         if path.apart and self.phase is Phase.RUNNING:
             self._tell_gap()
             self._clear()
-        elif self.phase is Phase.ABORTING and path.aborted:
+        elif self.phase is Phase.ABORTING and path.aborted and self.beside.at_rest:
             self._clear()
         elif self.phase is Phase.RUNNING and (path.starved or self._nothing_will_come()):
             stop |= self._out_of_blocks()
@@ -409,9 +425,14 @@ class Channel:
             return self._exact_stop()
         if gate.reason is GateReason.USER_ERROR:
             return self._user_error(gate)
+        if gate.reason in GATES:
+            return self._beside_path(gate, pressed)
         if gate.reason is GateReason.PROGRAM_END:
             if self.waiting_functions:
                 return _WAIT_TECHNOLOGY
+            self.beside.finish()
+            if not self.beside.at_rest:
+                return _MANUAL
             self._event(EventKind.BLOCK_END, gate.line, gate.n)
             path.open_gate()
             self._clear()
@@ -420,6 +441,26 @@ class Channel:
             path.open_gate()
             return _NONE
         return _WAIT_CONTINUE
+
+    def _beside_path(self, gate: QueueRecord, pressed: bool) -> int:
+        """Axes are moved by hand or homed while the path stands; then it goes on from where they are."""
+        path, beside = self.interpolator, self.beside
+        if axis := beside.moving_at_end(gate, pressed):
+            self.problems.append(Problem(machine.MANUAL_MOVING, {"axis": axis}, Place(self.program, gate.line)))
+        if self.phase is not Phase.RUNNING:
+            return _MANUAL
+        if not beside.at_rest:
+            self._settling = 0.0
+        settled = path.standstill and path.all_told and not self._settles(beside.offset)
+        passage = beside.gate(gate, path, pressed, settled)
+        if not passage.open:
+            return passage.stop
+        self._settling = 0.0
+        if gate.reason is not GateReason.MANUAL_END:
+            taken = beside.take_over(path)
+            self.link.reach(path.position, self._actual[self._axes], taken)
+        path.open_gate()
+        return _NONE
 
     def _dwell(self, seconds: float) -> int:
         if self._dwell_left < 0.0:
@@ -434,33 +475,35 @@ class Channel:
     def _flush_wait(self) -> int:
         """The decoder goes on when functions of every kind and messages have been taken; it gets to know where the axes are."""
         path = self.interpolator
-        if not path.standstill or not path.all_told or self._settles():
+        if not path.standstill or not path.all_told or self._settles(self.beside.offset):
             return _NONE
         if self._waiting or self._overflow or self.port.pending or any(port.pending for port in self.spindle_ports):
             return _WAIT_TECHNOLOGY
         if not self.actions.all_taken:
             return _MESSAGE
         self._settling = 0.0
-        self.link.reach(path.position, self._actual[self._axes])
+        self.link.reach(path.position, self._actual[self._axes], self.beside.offset)
         path.open_gate()
         return _NONE
 
     def _exact_stop(self) -> int:
         """However long it takes: an axis that never comes there keeps the path from going on."""
         path = self.interpolator
-        if not path.standstill or self._on_their_way():
+        if not path.standstill or self._on_their_way(self.beside.offset):
             return _EXACT_STOP
         path.open_gate()
         return _NONE
 
-    def _settles(self) -> bool:
+    def _settles(self, offset: Floats) -> bool:
         """The axes are still on their way to where the path stands, and have not yet taken too long for it."""
         self._settling += self.period
-        return self._settling < _SETTLED_AT_LAST and self._on_their_way()
+        return self._settling < _SETTLED_AT_LAST and self._on_their_way(offset)
 
-    def _on_their_way(self) -> bool:
-        """An axis is not yet within its window around where the path stands."""
-        lag = np.abs(self.interpolator.position - self._actual[self._axes])
+    def _on_their_way(self, offset: Floats) -> bool:
+        """An axis is not yet within its window around where it is sent to; `offset` (n_axes,) beside the path."""
+        if self.locked:
+            return False
+        lag = np.abs(self.interpolator.position + offset - self._actual[self._axes])
         return bool((lag > self._window).any())
 
     def _user_error(self, gate: QueueRecord) -> int:
@@ -485,7 +528,11 @@ class Channel:
         elif kind == _BLOCK_END:
             self.block_counter += 1
         elif kind == _ACTION:
-            self.actions.carry_out(read_record(self.queue, index))
+            record = read_record(self.queue, index)
+            if record.action in ACTIONS:
+                self.beside.act(record)
+            else:
+                self.actions.carry_out(record)
 
     def _put_out_overflow(self) -> None:
         while self._overflow and self._put_out(self._overflow[0]):

@@ -22,18 +22,22 @@ from runtime.cnc.axes.supervision import (
     AxisFault,
     AxisSupervision,
 )
+from runtime.cnc.beside_path import BesidePath
 from runtime.cnc.channel import Channel
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveState, DriveSystem
 from runtime.fieldbus.events import problem_of
+from runtime.hli.describe import io_bits
+from runtime.hli.layout import Mode
 from runtime.hli.memory import HliMemory, get_text
+from runtime.hli.modes import Work
 from runtime.hli.technology import TechnologyPort
 from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.orders import Orders
@@ -43,6 +47,8 @@ from runtime.scheduler.publish import Publisher
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 _ENABLED = int(DriveState.OPERATION_ENABLED)
+_OFFLINE = int(DriveState.OFFLINE)
+_UNREFERENCED = (Mode.MANUAL, Mode.HOMING)  # modes that need no reference
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
@@ -83,6 +89,9 @@ class Controller:
         self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)))
         indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
         spindles = [Spindle(machine.axes[i], i, period) for i in indices]
+        inputs, _ = io_bits(machine)
+        self._cam_bits = [inputs.get(axis.homing.switch or "", -1) if axis.homing else -1 for axis in path_axes]
+        self.beside = BesidePath(path_axes, period, described.parameters, self._cam, self._shift)
         self.channel = Channel(
             queue,
             self.interpolator,
@@ -95,10 +104,12 @@ class Controller:
             period,
             self._path_axes,
             np.array([axis.in_position for axis in path_axes]),
+            self.beside,
         )
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
+        self.beside.commands = self.orders.manual
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
@@ -122,7 +133,7 @@ class Controller:
         self._head.time_ns_r = int(time * 1e9)
         self.drives.read()
         self.publisher.inputs()
-        self.orders.sample()
+        self.orders.sample(time)
         self._watch_axes()
         self._watch_plc()
         self.publisher.outputs()
@@ -143,9 +154,9 @@ class Controller:
             self.time,
             self.cycle_number,
         )
-        if self.channel.active:
+        if self.channel.active and not self.channel.locked:
             if self._path_enabled and not self._astray:
-                image.target_position[self._path_axes] = self.interpolator.position
+                image.target_position[self._path_axes] = self.interpolator.position + self.beside.offset
             else:  # an axis without its drive tracks, the others still brake on the path
                 self._brake_without_lost_axes(enabled)
         for spindle in self.channel.spindles:
@@ -161,7 +172,21 @@ class Controller:
             if not enabled[i]:
                 self._astray.add(i)
             elif i not in self._astray:
-                self.drives.image.target_position[i] = self.interpolator.position[k]
+                self.drives.image.target_position[i] = self.interpolator.position[k] + self.beside.offset[k]
+
+    def _cam(self, k: int) -> bool | None:
+        """Whether path axis k stands on its reference cam: from the PLC, or else from its input; None if nobody tells."""
+        told = self.orders.reference_cam(self._path_list[k])
+        bit = self._cam_bits[k]
+        if told is not None or bit < 0:
+            return told
+        return bool(self.drives.image.digital_in[bit // 8] >> (bit % 8) & 1)
+
+    def _shift(self, k: int, way: float) -> None:
+        """Path axis k has found its reference: its coordinates shift, and so does where it is."""
+        image, i = self.drives.image, self._path_list[k]
+        for positions in (image.origin, image.actual_position, image.target_position):
+            positions[i] += way
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []
@@ -197,6 +222,9 @@ class Controller:
         for i, (before, state) in enumerate(zip(self._states, states, strict=True)):
             if state != before:
                 self._event(EventKind.DRIVE, number=i, value=float(state), axis=i)
+        for k, i in enumerate(self._path_list):
+            if states[i] == _OFFLINE:
+                self.beside.lose_reference(k)
         self._states = states
         self._enabled = [state == _ENABLED for state in states]
         self._path_enabled = all(self._enabled[i] for i in self._path_list)
@@ -251,27 +279,31 @@ class Controller:
         refused = orders.mode_step(channel)
         if refused is not None:
             self.alarm(refused)
+        not_linked = self.beside.take_orders()
+        if not_linked is not None:
+            self.alarm(not_linked)
         if orders.abort_ordered:
             channel.abort()
-        if orders.start_program is not None:
-            self._start(orders.start_program)
+        if orders.start_work is not None:
+            self._start(orders.start_work)
         moving = channel.active
         if moving != self._moving_before or orders.mode_changed:
             self._moving_before = moving
             self._event(EventKind.MODE, number=orders.mode, value=float(orders.state))
 
-    def _start(self, program: str) -> None:
-        problem = self._hindrance()
+    def _start(self, work: Work) -> None:
+        problem = self._hindrance(work.mode)
         if problem is not None:
             self.orders.start_refused()
             self.alarm(problem)
             return
         position = self.drives.image.target_position[self._path_axes].copy()
         self._astray.clear()
-        self.publisher.program(program)
-        self.channel.start(program, position, self.orders.skip_levels)
+        self.publisher.program(work.content)
+        order = StartOrder(work.content, position, self.orders.skip_levels, work.mode, work.text)
+        self.channel.start(order, locked=self.orders.machine_lock)
 
-    def _hindrance(self) -> Problem | None:
+    def _hindrance(self, mode: Mode) -> Problem | None:
         """Why no program can start now."""
         image = self.drives.image
         if self.channel.restart_needed:
@@ -283,6 +315,10 @@ class Controller:
                 return Problem(alarms.AXES_NOT_READY, {"axis": self.machine.axes[i].name})
         if self.plc is not None and not self.plc.running:
             return Problem(alarms.PLC_NOT_RUNNING)
+        if mode not in _UNREFERENCED:
+            for i, referenced in zip(self._path_list, self.beside.referenced, strict=True):
+                if not referenced:
+                    return Problem(alarms.NOT_REFERENCED, {"axis": self.machine.axes[i].name})
         return None
 
     def alarm(self, problem: Problem, axis: int = -1) -> int:

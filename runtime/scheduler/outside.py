@@ -16,7 +16,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.error_texts import ErrorTexts
 from runtime.config.machine import Machine
 from runtime.hli.external import external_area
-from runtime.hli.layout import Hli, Mode
+from runtime.hli.layout import Hli
 from runtime.hli.timers import Timers
 
 _RECEIVERS = tuple(Receiver)
@@ -46,12 +46,14 @@ class RunningMachine:
     def actual_position(self) -> Floats | None:
         return self._link.actual_position
 
+    def manual_offsets(self) -> Floats | None:
+        return self._link.manual_offsets
+
     def cycle(self) -> int:
         return int(self._head.cycle_r)
 
     def operating_mode(self) -> int:
-        """The only mode that programs are started in."""
-        return int(Mode.AUTOMATIC)
+        return self._link.read_start().mode
 
     def changes_files(self) -> bool:
         return True

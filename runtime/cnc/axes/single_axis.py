@@ -212,6 +212,16 @@ class SingleAxis:
         return self._state.v == 0.0 and self._state.a == 0.0
 
     @property
+    def bounds(self) -> tuple[float, float]:
+        """The software limits."""
+        return self._least, self._greatest
+
+    @property
+    def moves_to_target(self) -> bool:
+        """On the way to `target`, or there."""
+        return self.goal is Goal.POSITION
+
+    @property
     def at_limit(self) -> bool:
         """The axis rests at a software limit behind which its goal lies."""
         if not self.standstill:

@@ -28,6 +28,9 @@ class Outside(Protocol):
     def actual_position(self) -> Floats | None:
         """Actual position in machine coordinates, None where no machine is."""
 
+    def manual_offsets(self) -> Floats | None:
+        """What the axes were moved by hand beside the path, None where no machine is."""
+
     def now(self) -> datetime:
         """The wall clock, for time stamps."""
 
@@ -78,6 +81,9 @@ class Offline:
         return None
 
     def actual_position(self) -> Floats | None:
+        return None
+
+    def manual_offsets(self) -> Floats | None:
         return None
 
     def now(self) -> datetime:

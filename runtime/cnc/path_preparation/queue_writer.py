@@ -26,14 +26,19 @@ from runtime.cnc.blocks import (
     Flush,
     FlushKind,
     Hold,
+    Homing,
     Line,
+    ManualMotion,
+    ManualParameter,
     Message,
+    PathRestart,
     Polyline,
     Receiver,
     Source,
     Stop,
     StopKind,
     Synch,
+    TakeOver,
     TechnologyFunction,
     TimerAction,
     TimerCommand,
@@ -42,6 +47,7 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
+from runtime.cnc.path_preparation.beside_path import beside_path, limits_beside
 from runtime.cnc.path_preparation.dynamics import Border, Dynamics, arc_dynamics, line_dynamics
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
@@ -119,7 +125,7 @@ class QueueWriter:
     ) -> None:
         self.queue = queue
         self._error_text = error_text
-        self._limits = limits
+        self._limits = self._all_limits = limits
         self._period = period
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
@@ -249,6 +255,12 @@ class QueueWriter:
                 record["text"] = self.queue.texts.put(self._error_text(block))
                 if block.remedy_class != 0:
                     record["kind"], record["reason"] = RecordKind.GATE, GateReason.USER_ERROR
+            case PathRestart():
+                self._before = self._place = self._block_end = None
+                return record[:0]
+            case ManualMotion() | ManualParameter() | Homing() | TakeOver():
+                self._flushing = beside_path(record, block)
+                self._limits = limits_beside(block, self._limits, self._all_limits)
         return record
 
     def _flush_records(self, record: Records, kind: FlushKind) -> Records:

@@ -165,6 +165,11 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    # manual mode
+    path_reject_std_manual_mode: bool = False  # P-CHAN-00113
+    rel_offset_limits_std_manual_mode: bool = False  # P-CHAN-00114
+    override_v_handwheel: bool = False  # P-CHAN-00186
+    err_outp_manual_mode_move: bool = False  # P-CHAN-00437
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118

@@ -31,6 +31,7 @@ class Group(Enum):
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
     EXACT_STOP = "exact stop"
+    MANUAL = "manual mode"
     NONE = ""  # excludes nothing
 
 
