@@ -73,7 +73,7 @@ def _first_motion(program: Path, machine: Machine) -> float:
     while True:
         state = preparation.poll()
         while seen < queue.written:
-            if queue.kind(seen) in (RecordKind.LINE, RecordKind.ARC):
+            if queue.kind(seen) <= RecordKind.POLYNOMIAL:
                 seconds = time.perf_counter() - begin
                 link.abort()
                 preparation.poll()

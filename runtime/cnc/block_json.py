@@ -19,6 +19,7 @@ from runtime.cnc.blocks import (
     ManualParameter,
     Message,
     Polyline,
+    Polynomials,
     Source,
     SpatialArc,
     Stop,
@@ -31,18 +32,22 @@ Row = dict[str, object]
 
 
 def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
-    """The rows of a block, in the order of the program. A polyline gives one per segment, `Wait`, `BlockEnd`, `Hold` none.
+    """The rows of a block, in the order of the program. A polyline gives one per segment, a run of
+    polynomials one per element, `Wait`, `BlockEnd`, `Hold` none.
 
     Every row has `line`, `n` (block number or None), `program`, `type`. Motion: `from`, `to` (axis name → machine
     coordinate, mm or degrees), `to_pcs` (programmed coordinates), `feed` (mm/min, None for rapid), `rapid`; arcs and
     helices also `centre` (axis name → mm), `radius` (mm), `angle` (degrees, counter-clockwise positive) and `plane`
-    ("XY"), arcs in space `normal` (unit vector) in its place. Functions: `number`, `value`, `synch`, for S `spindle`.
+    ("XY"), arcs in space `normal` (unit vector) in its place; polynomials ("poly") `coefficients` (axis name → six, of a
+    parameter from 0 to 1). Functions: `number`, `value`, `synch`, for S `spindle`.
     Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
     External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
     `further`. Manual mode: `kind` and `axes` (indices), or `axis`, `stage`, `values`; homing: `order` of the axes, 0 none.
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
+    elif isinstance(block, Polynomials):
+        yield from _polynomials(block, axis_names)
     elif isinstance(block, Line):
         yield {
             **_source(block.source, "line"),
@@ -118,6 +123,22 @@ def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
             "from": dict(zip(names, points[i], strict=True)),
             "to": dict(zip(names, points[i + 1], strict=True)),
             "to_pcs": dict(zip(names, programmed[i + 1], strict=True)),
+            **_feed(feed, math.isinf(feed)),
+        }
+
+
+def _polynomials(block: Polynomials, names: Sequence[str]) -> Iterator[Row]:
+    ends = block.ends
+    gain = 1.0 if block.pcs_gain is None else block.pcs_gain
+    programmed = (ends - block.pcs_shift) / gain
+    for i, feed in enumerate(block.feeds.tolist()):
+        number = int(block.numbers[i])
+        yield {
+            **_source(Source(block.program, int(block.lines[i]), number if number >= 0 else None), "poly"),
+            "from": _axes(block.coefficients[i, 0], names),
+            "to": _axes(ends[i], names),
+            "to_pcs": _axes(programmed[i], names),
+            "coefficients": dict(zip(names, block.coefficients[i].T.tolist(), strict=True)),
             **_feed(feed, math.isinf(feed)),
         }
 

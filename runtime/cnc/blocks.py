@@ -12,6 +12,8 @@ from enum import Enum, IntEnum, IntFlag
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.geometry.axis_limits import AxisLimits
+
 Floats = npt.NDArray[np.float64]
 
 
@@ -169,6 +171,40 @@ class Polyline:
 
 
 @dataclass(frozen=True, slots=True)
+class Polynomials:
+    """A run of k polynomial elements: element i is q(u) = Σ coefficients[i, p] u^p, u from 0 to 1.
+
+    `coefficients` (k, 6, n_axes), mm or degrees; each element begins where the one before ends. `feeds`, `lines`, `numbers`,
+    `pcs_shift`, `pcs_gain`, `plane` as in Polyline. `block_ends` (k,): an NC block ends with the element. `end_feed` and
+    `override_off` as in Line, for the whole run.
+    """
+
+    program: str
+    coefficients: Floats
+    feeds: Floats
+    lines: npt.NDArray[np.int64]
+    numbers: npt.NDArray[np.int64]
+    block_ends: npt.NDArray[np.bool_]
+    pcs_shift: Floats
+    pcs_gain: Floats | None = None
+    plane: tuple[int, int] | None = None
+    end_feed: float | None = None
+    override_off: bool = False
+
+    @property
+    def start(self) -> Floats:
+        """Where the run begins, (n_axes,)."""
+        begin: Floats = self.coefficients[0, 0]
+        return begin
+
+    @property
+    def ends(self) -> Floats:
+        """Where each element ends, (k, n_axes)."""
+        ends: Floats = self.coefficients.sum(axis=1)
+        return ends
+
+
+@dataclass(frozen=True, slots=True)
 class TechnologyFunction:
     """An M, H, S or T function at its place on the path.
 
@@ -236,6 +272,17 @@ class SoftwareLimitChange:
 
     source: Source
     limits: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AxisLimitChange:
+    """What the axes of the channel may do from here on: weights, ramp times, slope types, groups, worked out.
+
+    Taken by the queue writer; no record of its own reaches the queue.
+    """
+
+    source: Source
+    limits: AxisLimits
 
 
 class FlushKind(Enum):
@@ -396,6 +443,7 @@ Block = (
     | Arc
     | SpatialArc
     | Polyline
+    | Polynomials
     | TechnologyFunction
     | Wait
     | ExactStop
@@ -403,6 +451,7 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | AxisLimitChange
     | Flush
     | Hold
     | Message

@@ -21,39 +21,24 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
-from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
+from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
-from runtime.cnc.blocks import Synch, Technology
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
+from runtime.cnc.technology import TechnologyFunctions
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.layout import Channel as ChannelArea
 from runtime.hli.layout import Hli, StopCondition
-from runtime.hli.technology import Function, Sent, TechnologyPort
-from runtime.hli.units import INT32
+from runtime.hli.technology import TechnologyPort
 
 Floats = npt.NDArray[np.float64]
 
-_OUT = {
-    Technology.M: EventKind.M_OUT,
-    Technology.H: EventKind.H_OUT,
-    Technology.S: EventKind.S_OUT,
-    Technology.T: EventKind.T_OUT,
-}
-_ACK = {
-    Technology.M: EventKind.M_ACK,
-    Technology.H: EventKind.H_ACK,
-    Technology.S: EventKind.S_ACK,
-    Technology.T: EventKind.T_ACK,
-}
-_WAITING = int(Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS)
 # plain numbers: flags of the enum class are slow to combine in every cycle
-_MVS_SVS = int(Synch.MVS_SVS)
-_ARC, _FUNCTION = int(RecordKind.ARC), int(RecordKind.FUNCTION)
+_LAST_MOTION, _FUNCTION = int(RecordKind.POLYNOMIAL), int(RecordKind.FUNCTION)
 _BLOCK_END, _ACTION = int(RecordKind.BLOCK_END), int(RecordKind.ACTION)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
@@ -102,19 +87,6 @@ class ChannelInputs:
     limits: list[tuple[float, float] | None] = field(default_factory=list)  # dynamic ones, mm or degrees
 
 
-@dataclass(slots=True)
-class _Waiting:
-    """A function that was put out and not yet acknowledged."""
-
-    kind: Technology
-    number: int
-    line: int
-    n: int | None
-    spindle: Spindle | None  # waits for its speed
-    sent: Sent | None  # waits for the PLC
-    synch: int
-
-
 class Channel:
     """Built once; `step` is called in every cycle and never blocks, never allocates without bound, never raises.
 
@@ -145,10 +117,9 @@ class Channel:
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
         self.interpolator = interpolator
         self.link = link
-        self.port = TechnologyPort(area)
+        self.functions = TechnologyFunctions(queue, TechnologyPort(area), spindles, spindle_ports, self._event)
         self.actions = Actions(queue, link, hli, area, self._tell_message, self._tell_warning)
         self.spindles = spindles
-        self.spindle_ports = spindle_ports
         self.events = events
         self.period = period
         self.phase = Phase.IDLE
@@ -161,8 +132,6 @@ class Channel:
         self.block_counter = 0
         self.path_length = 0.0  # mm, of the program that ended last
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
-        self._waiting: list[_Waiting] = []
-        self._overflow: deque[QueueRecord] = deque()  # functions for which the port had no room
         self._dwell_left = -1.0
         self._continue_was = False
         self._told_failure = False
@@ -221,7 +190,7 @@ class Channel:
         """Abort, drop pending functions and messages, clear the error unless it is fatal, stop the spindles."""
         self.abort()
         self._stop_spindles()
-        self._drop_functions()
+        self.functions.drop()
         self.actions.drop()
         if not self.restart_needed:
             self.error = None
@@ -229,13 +198,6 @@ class Channel:
     def _stop_spindles(self) -> None:
         for spindle in self.spindles:
             spindle.stop()
-
-    def _drop_functions(self) -> None:
-        self._waiting.clear()
-        self._overflow.clear()
-        self.port.drop_all()
-        for port in self.spindle_ports:
-            port.drop_all()
 
     def _clear(self) -> None:
         self.link.abort()
@@ -261,7 +223,7 @@ class Channel:
     @property
     def waiting_functions(self) -> int:
         """Functions that are out, or due, and not yet acknowledged."""
-        return len(self._waiting) + len(self._overflow)
+        return self.functions.waiting
 
     @property
     def programmed_feed(self) -> float:
@@ -285,12 +247,12 @@ class Channel:
             self.phase = Phase.RUNNING
         if self.phase is Phase.CLEARING and self.link.answered:
             self._cleared()
-        self._acknowledge(speeds)
+        self.functions.acknowledge(speeds)
         self.actions.step()
         if self.phase not in (Phase.RUNNING, Phase.ABORTING):
             self.stop_condition = _ERROR if self.error else _NONE
             return
-        self._put_out_overflow()
+        self.functions.put_out_late()
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
@@ -298,7 +260,7 @@ class Channel:
             stop |= _AXIS_FEED_HOLD
         if not axes_ready:
             stop |= _AXIS_NOT_READY
-        if self._overflow:
+        if self.functions.full:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
@@ -370,7 +332,7 @@ class Channel:
         self.path_length = self.interpolator.path_position
         self.queue.discard_all()
         self.interpolator.restart(self.interpolator.position.copy())
-        self._drop_functions()
+        self.functions.drop()
         self._dwell_left = -1.0
         self._settling = 0.0
         self.program_ended = True
@@ -396,14 +358,12 @@ class Channel:
                 return _NONE
             return _SINGLE_BLOCK | _WAIT_CONTINUE
         if gate.reason is GateReason.WAIT:
-            missing = [w for w in self._waiting if w.synch & _MVS_SVS] if gate.synch else self._waiting
-            if not path.functions_before_gate and not self._overflow and not missing:
+            if not path.functions_before_gate and self.functions.passable(gate):
                 path.open_gate()
                 return _NONE
             if not path.at_gate:
                 return _NONE
-            spindle = all(waiting.sent is None or waiting.sent.done for waiting in missing)
-            return _WAIT_SPINDLE if spindle else _WAIT_TECHNOLOGY
+            return _WAIT_TECHNOLOGY if self.functions.plc_owes(gate) else _WAIT_SPINDLE
         if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
             path.open_gate()
             return _NONE
@@ -477,7 +437,7 @@ class Channel:
         path = self.interpolator
         if not path.standstill or not path.all_told or self._settles(self.beside.offset):
             return _NONE
-        if self._waiting or self._overflow or self.port.pending or any(port.pending for port in self.spindle_ports):
+        if self.functions.pending:
             return _WAIT_TECHNOLOGY
         if not self.actions.all_taken:
             return _MESSAGE
@@ -517,14 +477,10 @@ class Channel:
             self.problems.append(Problem(machine.USER_FATAL if fatal else machine.USER_ERROR, values, place))
         return _ERROR
 
-    # ------------------------------------------------------------------ technology functions
-
     def _pass(self, index: int) -> None:
         kind = self.queue.kind(index)
         if kind == _FUNCTION:
-            record = read_record(self.queue, index)
-            if self._overflow or not self._put_out(record):
-                self._overflow.append(record)
+            self.functions.take(index)
         elif kind == _BLOCK_END:
             self.block_counter += 1
         elif kind == _ACTION:
@@ -533,45 +489,6 @@ class Channel:
                 self.beside.act(record)
             else:
                 self.actions.carry_out(record)
-
-    def _put_out_overflow(self) -> None:
-        while self._overflow and self._put_out(self._overflow[0]):
-            self._overflow.popleft()
-
-    def _put_out(self, record: QueueRecord) -> bool:
-        """Hand a function to the PLC and to the spindle it concerns; FALSE if there is no free unit."""
-        kind, waits = record.technology, bool(int(record.synch) & _WAITING)
-        spindle = self.spindles[record.spindle] if record.spindle >= 0 else None
-        sent: Sent | None = None
-        if spindle is None or record.synch & Synch.PLC_INFO:
-            port = self.port if spindle is None else self.spindle_ports[record.spindle]
-            sent = port.put(_to_interface(record, spindle))
-            if sent is None:
-                return False
-        if spindle is not None:
-            spindle.command(record.number, record.value)
-            self._event(EventKind.SPINDLE, record.line, record.n, record.number, record.value, axis=spindle.index)
-        self._event(_OUT[kind], record.line, record.n, record.number, record.value)
-        if waits:
-            self._waiting.append(_Waiting(kind, record.number, record.line, record.n, spindle, sent, int(record.synch)))
-        return True
-
-    def _acknowledge(self, speeds: Floats) -> None:
-        """Take from the waiting list what the PLC has done and what the spindles have reached."""
-        self.port.poll()
-        for port in self.spindle_ports:
-            port.poll()
-        if not self._waiting:
-            return
-        left: list[_Waiting] = []
-        for waiting in self._waiting:
-            spindle = waiting.spindle
-            told = waiting.sent is None or waiting.sent.done
-            if told and (spindle is None or spindle.reached(speeds[spindle.index])):
-                self._event(_ACK[waiting.kind], waiting.line, waiting.n, waiting.number)
-            else:
-                left.append(waiting)
-        self._waiting = left
 
     # ------------------------------------------------------------------ events
 
@@ -598,7 +515,7 @@ class Channel:
     def _trace_blocks(self, passed: Sequence[int]) -> None:
         """Block start and end events for the elements that were entered in this cycle: several, if they are short."""
         for index in passed:
-            if index > self._traced_index and self.queue.kind(index) <= _ARC:
+            if index > self._traced_index and self.queue.kind(index) <= _LAST_MOTION:
                 self._trace_entry(index)
         if self.interpolator.index > self._traced_index:
             self._trace_entry(self.interpolator.index)
@@ -636,20 +553,3 @@ class Channel:
                 text=text,
             )
         )
-
-
-def _to_interface(record: QueueRecord, spindle: Spindle | None) -> Function:
-    """A function in the interface's whole numbers; the value of S is a speed, that of M and H goes over as it is."""
-    if spindle is None:
-        value, revolutions = round(record.value), 0
-    else:
-        value, revolutions = 0, min(round(record.value * DEGREES_PER_SECOND * 1e3), INT32)
-    return Function(
-        kind=int(record.technology),
-        number=record.number,
-        value=max(-INT32, min(value, INT32)),
-        synch=int(record.synch),
-        line=record.line,
-        block_number=-1 if record.n is None else record.n,
-        revolutions=revolutions,
-    )

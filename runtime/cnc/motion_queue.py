@@ -12,6 +12,15 @@ Indices only grow. A counter is stored after the records it covers (x86-64 keeps
 ever sees a half-written record. The producer asks for `free` and never waits here; `append` takes what fits and says
 how much.
 
+What the axes may do on an element is the set of limits with the number `limits` (`queue_limits`): per axis velocity,
+acceleration and jerk, separately for speeding up and slowing down. `v_corner` is what the corner before the element
+allows by itself: jumps of velocity and acceleration, exact stops, the feed at the end of the block before. What the
+path velocity may be on the element follows from both and the geometry. `v_limit`, `a_limit`, `j_limit` and `v_entry`
+are the same in one box per element.
+
+The coefficients of a polynomial lie in a second array, in the slot of its record. It is written for polynomials only, so
+that lines cost nothing more.
+
 Units: mm or degrees, per second; angles of arcs in radians.
 """
 
@@ -24,6 +33,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.geometry.polynomials import ROWS, WIDTH
+from runtime.cnc.queue_limits import QueueLimits, limits_bytes
 from runtime.cnc.queue_texts import TEXTS_BYTES, QueueTexts
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 
@@ -38,10 +49,11 @@ class RecordKind(IntEnum):
 
     LINE = 0
     ARC = 1
-    FUNCTION = 2  # technology function, put out when the path arrives here
-    GATE = 3  # the path stops here unless the gate has been opened
-    BLOCK_END = 4  # the end of an NC block: a gate in single block
-    ACTION = 5  # done by the cycle when the path arrives here
+    POLYNOMIAL = 2  # its coefficients lie in `MotionQueue.polynomials`. Up to here: motion, with length and limits
+    FUNCTION = 3  # technology function, put out when the path arrives here
+    GATE = 4  # the path stops here unless the gate has been opened
+    BLOCK_END = 5  # the end of an NC block: a gate in single block
+    ACTION = 6  # done by the cycle when the path arrives here
 
 
 class GateReason(IntEnum):
@@ -80,7 +92,7 @@ RECORD = np.dtype(
         ("line", "i8"),  # source line
         ("n", "i8"),  # block number, -1: none
         ("program", "i8"),  # index into the table of names
-        # LINE, ARC
+        # LINE, ARC, POLYNOMIAL
         ("start", "f8", (MAX_AXES,)),
         ("end", "f8", (MAX_AXES,)),
         ("length", "f8"),  # path length
@@ -111,13 +123,16 @@ RECORD = np.dtype(
         ("text", "i8"),  # index into the texts, -1: none
         ("offset", "i8"),
         ("size", "i8"),
-        # LINE, ARC
+        # LINE, ARC, POLYNOMIAL
         ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
+        ("limits", "i8"),  # number of the set of axis limits
+        ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
     ],
     align=True,
 )
 
 Records = npt.NDArray[np.void]
+Floats = npt.NDArray[np.float64]
 Counters = npt.NDArray[np.int64]
 
 _HEAD = 64  # bytes: written, read, number of programs ever named
@@ -133,8 +148,10 @@ class MotionQueue:
         self.n_axes = n_axes
         self.capacity = capacity
         self._memory: shared_memory.SharedMemory | None = None
-        records = _HEAD + _NAMES + TEXTS_BYTES
-        size = records + capacity * RECORD.itemsize
+        sets = _HEAD + _NAMES + TEXTS_BYTES
+        records = sets + limits_bytes(MAX_AXES)
+        polynomials = records + capacity * RECORD.itemsize
+        size = polynomials + capacity * ROWS * WIDTH * 8
         if name is None:
             buffer: memoryview | bytearray = bytearray(size)
         else:
@@ -144,8 +161,11 @@ class MotionQueue:
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
         self.texts = QueueTexts(buffer, _HEAD + _NAMES)
+        self.limits = QueueLimits(buffer, sets, MAX_AXES, n_axes, self.counters)
         self.records: Records = np.frombuffer(buffer, dtype=RECORD, count=capacity, offset=records)
         self._kinds = self.records["kind"]
+        numbers = np.frombuffer(buffer, dtype=np.float64, count=capacity * ROWS * WIDTH, offset=polynomials)
+        self.polynomials: Floats = numbers.reshape(capacity, ROWS, WIDTH)  # tables of geometry.polynomials
         self._known: dict[str, int] = {}
 
     # ------------------------------------------------------------------ producer
@@ -160,14 +180,20 @@ class MotionQueue:
         """Records that `append` will take now."""
         return self.capacity - (int(self.counters[0]) - int(self.counters[1]))
 
-    def append(self, records: Records) -> int:
-        """Append as many of `records` (k,) of dtype `RECORD` as fit, in order; returns how many. Producer only."""
+    def append(self, records: Records, tables: Floats | None = None) -> int:
+        """Append as many of `records` (k,) of dtype `RECORD` as fit, in order; returns how many. Producer only.
+
+        `tables` (k, ROWS, WIDTH) go along with polynomials.
+        """
         written = int(self.counters[0])
         count = min(len(records), self.free)
         slot = written % self.capacity
         first = min(count, self.capacity - slot)
         self.records[slot : slot + first] = records[:first]
         self.records[: count - first] = records[first:count]
+        if tables is not None:
+            self.polynomials[slot : slot + first] = tables[:first]
+            self.polynomials[: count - first] = tables[first:count]
         self.counters[0] = written + count
         return count
 
@@ -214,7 +240,7 @@ class MotionQueue:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self.counters, self._names, self.texts, self.records, self._kinds
+        del self.counters, self._names, self.texts, self.limits, self.records, self._kinds, self.polynomials
         if unlink:
             remove_shared(memory)
         else:

@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import RECORD, MotionQueue, Records
+from runtime.cnc.queue_limits import DECELERATION, SETS, VELOCITY
 
 
 def numbered(first: int, count: int) -> Records:
@@ -68,3 +70,25 @@ def test_many_programs_keep_the_newest_names() -> None:
 def test_impossible_numbers_of_axes_are_refused(axes: int) -> None:
     with pytest.raises(ValueError, match="1 to 8 axes"):
         MotionQueue(axes)
+
+
+def axis_limits(velocity: float) -> AxisLimits:
+    return AxisLimits(np.full(3, velocity), np.full(3, 2000.0), np.full(3, 5e4), np.full(3, 5.0))
+
+
+def test_sets_of_limits_are_kept_as_long_as_their_records() -> None:
+    queue = MotionQueue(3, capacity=512)
+    numbers = []
+    for k in range(SETS):
+        assert queue.limits.room
+        numbers.append(queue.limits.put(axis_limits(100.0 + k)))
+        assert queue.limits.put(axis_limits(100.0 + k)) == numbers[-1]  # nothing new
+        queue.append(numbered(k, 1))
+    assert numbers == list(range(SETS))
+    assert not queue.limits.room
+    queue.counters[1] = 1
+    assert queue.limits.room
+    assert queue.limits.put(axis_limits(1.0)) == SETS
+    assert queue.limits.sets[0, VELOCITY].tolist() == [1.0, 1.0, 1.0] + 5 * [np.inf]
+    assert queue.limits.sets[1, DECELERATION, 0] == 2000.0
+    assert not queue.limits.room

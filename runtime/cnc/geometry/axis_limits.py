@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -30,12 +30,33 @@ class AxisLimits:
     """Limits of the n axes of a channel, each shape (n,), in mm or degrees per s, s², s³.
 
     `velocity_step` is the jump of velocity an axis may make at a corner without tangent continuity; 0 allows none.
+    `deceleration` and `braking_jerk` hold while the path slows down; left out they are those of speeding up.
     """
 
     velocity: Floats
     acceleration: Floats
     jerk: Floats
     velocity_step: Floats
+    deceleration: Floats = field(default_factory=lambda: np.zeros(0))
+    braking_jerk: Floats = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.deceleration) == 0:
+            object.__setattr__(self, "deceleration", self.acceleration)
+        if len(self.braking_jerk) == 0:
+            object.__setattr__(self, "braking_jerk", self.jerk)
+
+    @property
+    def least_acceleration(self) -> Floats:
+        """Of speeding up and slowing down, (n,)."""
+        least: Floats = np.minimum(self.acceleration, self.deceleration)
+        return least
+
+    @property
+    def least_jerk(self) -> Floats:
+        """Of speeding up and slowing down, (n,)."""
+        least: Floats = np.minimum(self.jerk, self.braking_jerk)
+        return least
 
     @property
     def n(self) -> int:

@@ -16,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.geometry.elements import arc_at, line_at
+from runtime.cnc.geometry.polynomials import ROWS as POLYNOMIAL_ROWS
+from runtime.cnc.geometry.polynomials import WIDTH, polynomial_at
 from runtime.cnc.interpolator.lookahead import (
     ARC,
     BEHIND,
@@ -25,6 +27,7 @@ from runtime.cnc.interpolator.lookahead import (
     HORIZON,
     KNOWN_END,
     LINE,
+    POLYNOMIAL,
     RELEASED,
     SHARPLY,
     SINGLE_GATE,
@@ -68,7 +71,7 @@ def walk(records: Records, written: int, n: int, single_block: bool, f: Floats, 
     while i[CUR] < written:
         r = records[i[CUR] % size]
         held = single_block and i[CUR] == i[SINGLE_GATE_AT] and i[CUR] > i[BLOCKS_RELEASED]
-        if r["kind"] <= ARC:
+        if r["kind"] <= POLYNOMIAL:
             if f[S_IN] == 0.0 and f[V] == 0.0:
                 for k in range(n):
                     if abs(r["start"][k] - q[k]) > JOIN:
@@ -218,6 +221,7 @@ def choose(
 @kernel
 def cycle(
     records: Records,
+    polynomials: Floats,
     counters: Counters,
     n: int,
     period: float,
@@ -273,13 +277,18 @@ def cycle(
                 r["start"], r["end"], r["axis0"], r["axis1"], r["centre0"], r["centre1"], r["angle"],
                 f[S_IN] / r["length"], r["length"], n, q, dq,
             )  # fmt: skip
+        elif r["kind"] == POLYNOMIAL:
+            polynomial_at(polynomials[i[CUR] % size], min(f[S_IN] / r["length"], 1.0), r["length"], n, q, dq)
+            if f[S_IN] >= r["length"]:
+                for k in range(n):
+                    q[k] = r["end"][k]
     for k in range(n):
         dq[k] *= f[V]
     report(records, i, passed)
     search(records, written, single_block, i)
     i[AT_GATE] = 0
     here = records[i[CUR] % size]
-    at_end = here["kind"] > ARC or f[S_IN] >= here["length"]
+    at_end = here["kind"] > POLYNOMIAL or f[S_IN] >= here["length"]
     if f[V] == 0.0 and i[GATE_INDEX] >= 0 and i[CUR] == i[GATE_INDEX] and at_end:
         i[AT_GATE] = 1
     i[STANDSTILL] = 1 if f[V] == 0.0 and v_before == 0.0 else 0
@@ -301,7 +310,8 @@ def _warm_up() -> None:
     real, whole, plans = scratch()
     buffer = bytearray(RECORD.itemsize)
     cycle(
-        np.frombuffer(buffer, dtype=RECORD), np.zeros(8, dtype=np.int64), 1, 0.001, 1.0, False, False,
+        np.frombuffer(buffer, dtype=RECORD), np.zeros((1, POLYNOMIAL_ROWS, WIDTH)),
+        np.zeros(8, dtype=np.int64), 1, 0.001, 1.0, False, False,
         np.zeros(FLOAT_STATE), np.zeros(INT_STATE, dtype=np.int64), np.zeros(MAX_AXES), np.zeros(MAX_AXES),
         np.zeros(PASSED, dtype=np.int64), real, whole, plans,
     )  # fmt: skip

@@ -71,6 +71,7 @@ class Interpolator:
         """One cycle. `override` 1.0 is 100 %, taken within 0…200 %."""
         c.cycle(
             self.queue.records,
+            self.queue.polynomials,
             self.queue.counters,
             self._n,
             self.period,

@@ -55,7 +55,7 @@ ZONES = 32  # borders seen in a cycle at most
 SHARP = 0.8  # limits that fall below this share of those before begin a zone
 MARGIN = 16.0  # cycles of travel that the look-ahead sees beyond the braking distance
 
-LINE, ARC, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4
+LINE, ARC, POLYNOMIAL, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4, 5  # motion up to POLYNOMIAL
 
 
 @kernel
@@ -135,7 +135,7 @@ def collect(
     while e < last:
         r = records[e % size]
         what = r["kind"]
-        if what <= ARC:
+        if what <= POLYNOMIAL:
             wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
             if not moving:
                 moving = True

@@ -26,7 +26,7 @@ TIME, WAY, SPEED_AT, ACCELERATION_AT, JERK_AT = 0, 1, 2, 3, 4
 COLUMNS = 5
 ROWS = 256  # a cycle has some pieces, a braking at most four per zone
 
-LINE, ARC, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4
+LINE, ARC, POLYNOMIAL, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4, 5  # motion up to POLYNOMIAL
 
 AT_BORDER = 1e-9  # mm: a piece that begins so near to a border begins at it
 NEAR = 1e-7  # mm: standing so near to a gate is standing at it
@@ -143,7 +143,7 @@ def keeps_limits(
     end = plan[last, WAY]
     e = cur
     r = records[e % size]
-    if r["kind"] > ARC:
+    if r["kind"] > POLYNOMIAL:
         return bool(end <= 0.0)
     border = r["length"] - s_in
     for row in range(last):
@@ -163,7 +163,7 @@ def keeps_limits(
             if e == single:
                 return False
             e += 1
-            while e < written and records[e % size]["kind"] > ARC:
+            while e < written and records[e % size]["kind"] > POLYNOMIAL:
                 if e == single or (records[e % size]["kind"] == GATE and e > opened):
                     return False
                 e += 1

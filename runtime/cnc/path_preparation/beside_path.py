@@ -47,14 +47,36 @@ def beside_path(record: Records, block: ManualMotion | ManualParameter | Homing 
     return False
 
 
-def limits_beside(block: Block, now: AxisLimits, whole: AxisLimits) -> AxisLimits:
+class PathShare:
     """What is left to the path: an axis that the hand may move too keeps its share free for it."""
-    if not isinstance(block, ManualMotion) or block.kind is ManualKind.EXCLUSIVE:
-        return now
-    share = now.velocity / whole.velocity
-    share[list(block.axes)] = 1.0 - MANUAL_SHARE if block.kind is ManualKind.PARALLEL else 1.0
-    if np.all(share == 1.0):
-        return whole
-    return AxisLimits(
-        whole.velocity * share, whole.acceleration * share, whole.jerk * share, whole.velocity_step * share
-    )
+
+    def __init__(self, limits: AxisLimits) -> None:
+        self._whole = limits
+        self._share = np.ones(limits.n)
+
+    def of(self, limits: AxisLimits) -> AxisLimits:
+        """The limits of the axes are others now; those of the path."""
+        self._whole = limits
+        return self.now
+
+    def changed_by(self, block: Block) -> bool:
+        """Whether another share is left from this block on."""
+        if not isinstance(block, ManualMotion) or block.kind is ManualKind.EXCLUSIVE:
+            return False
+        self._share[list(block.axes)] = 1.0 - MANUAL_SHARE if block.kind is ManualKind.PARALLEL else 1.0
+        return True
+
+    @property
+    def now(self) -> AxisLimits:
+        """The limits of the path."""
+        whole, share = self._whole, self._share
+        if np.all(share == 1.0):
+            return whole
+        return AxisLimits(
+            whole.velocity * share,
+            whole.acceleration * share,
+            whole.jerk * share,
+            whole.velocity_step * share,
+            whole.deceleration * share,
+            whole.braking_jerk * share,
+        )

@@ -56,12 +56,16 @@ class Border:
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """Limits of k elements, each (k,): per s, s², s³ along the path; `v_entry` at the corner before the element."""
+    """Limits of k elements, each (k,): per s, s², s³ along the path; `v_entry` at the corner before the element.
+
+    `v_corner` is `v_entry` without what the curvature of a corner that stands for a curve allows.
+    """
 
     v_limit: Floats
     a_limit: Floats
     j_limit: Floats
     v_entry: Floats
+    v_corner: Floats
 
 
 def _least(limit: Floats, share: Floats) -> Floats:
@@ -78,8 +82,9 @@ def _least(limit: Floats, share: Floats) -> Floats:
 
 
 def _acceleration_step(limits: AxisLimits, period: float) -> Floats:
-    allowed = np.maximum(np.sqrt(8.0 * limits.jerk * limits.velocity_step), 0.5 * limits.jerk * period)
-    step: Floats = np.minimum(allowed, limits.acceleration)
+    jerk = limits.least_jerk
+    allowed = np.maximum(np.sqrt(8.0 * jerk * limits.velocity_step), 0.5 * jerk * period)
+    step: Floats = np.minimum(allowed, limits.least_acceleration)
     return step
 
 
@@ -91,11 +96,16 @@ def corner_speed(
     `turn` (k, n): |Δu|; `bend` (k, n): |Δk|, the jump of curvature; `length` (k,): mean length of the neighbours;
     `share`: of the acceleration that curvature may take.
     """
-    turn = np.where(turn > TANGENTIAL, turn, 0.0)
-    jump = _least(limits.velocity_step, turn)
-    curve = np.sqrt(share * _least(limits.acceleration, turn) * length)
+    curve = np.sqrt(share * _least(limits.least_acceleration, np.where(turn > TANGENTIAL, turn, 0.0)) * length)
+    speed: Floats = np.minimum(jump_speed(limits, period, turn, bend), curve)
+    return speed
+
+
+def jump_speed(limits: AxisLimits, period: float, turn: Floats, bend: Floats) -> Floats:
+    """Greatest path velocity over corners (k,) for which the jumps of velocity and acceleration are allowed."""
+    jump = _least(limits.velocity_step, np.where(turn > TANGENTIAL, turn, 0.0))
     onset = np.sqrt(_least(_acceleration_step(limits, period), bend))
-    speed: Floats = np.minimum(np.minimum(jump, curve), onset)
+    speed: Floats = np.minimum(jump, onset)
     return speed
 
 
@@ -113,10 +123,11 @@ def line_dynamics(
     `main` (k,): measured along the main axes. `before` is the end of the element before, None at the start of a path.
     """
     n = limits.n
+    acceleration = limits.least_acceleration
     share = np.abs(direction)
     v_limit = _least(limits.velocity, share)
-    a_plain = _least(limits.acceleration, share)
-    j_limit = _least(limits.jerk, share)
+    a_plain = _least(acceleration, share)
+    j_limit = _least(limits.least_jerk, share)
     first = before or Border(direction[0], np.zeros(n), float(length[0]), bool(main[0]))
     before_direction = np.vstack([first.direction, direction[:-1]])
     before_length = np.concatenate([[first.length], length[:-1]])
@@ -130,12 +141,14 @@ def line_dynamics(
     curvature = np.where(turn.max(axis=1, keepdims=True) < SMOOTH, turn / mean[:, None], 0.0)  # at the corner before
     feed_before = np.concatenate([[feed[0]], feed[:-1]])
     asked = np.minimum(np.minimum(feed, feed_before), v_limit)
-    wanted_share = (curvature * asked[:, None] ** 2 / limits.acceleration).max(axis=1)
+    wanted_share = (curvature * asked[:, None] ** 2 / acceleration).max(axis=1)
     allowed_share = np.clip(wanted_share, CURVATURE_SHARE, GREATEST_CURVATURE_SHARE)
     v_entry = corner_speed(limits, period, turn, bend, mean, allowed_share)
-    v_entry[before_main != main] = 0.0  # another measure of the path: mm before, degrees after
+    v_corner = jump_speed(limits, period, turn, bend)
+    measured_anew = before_main != main  # mm before, degrees after
+    v_entry[measured_anew] = v_corner[measured_anew] = 0.0
     if before is None:
-        v_entry[0] = 0.0
+        v_entry[0] = v_corner[0] = 0.0
 
     # the sharper of the corners at both ends; that after the last line is not known yet
     here = curvature.copy()
@@ -143,12 +156,12 @@ def line_dynamics(
     share_here = allowed_share.copy()
     share_here[:-1] = np.maximum(share_here[:-1], allowed_share[1:])
     fastest = np.minimum(
-        np.minimum(GREATEST_OVERRIDE * feed, v_limit), np.sqrt(share_here * _least(limits.acceleration, here))
+        np.minimum(GREATEST_OVERRIDE * feed, v_limit), np.sqrt(share_here * _least(acceleration, here))
     )
     taken = here * fastest[:, None] ** 2
-    axes = _least_left(limits.acceleration, taken, share)
+    axes = _least_left(acceleration, taken, share)
     moving = (share > 0.0) | (here > 0.0)
-    isotropic = np.where(moving, limits.acceleration, np.inf).min(axis=1)
+    isotropic = np.where(moving, acceleration, np.inf).min(axis=1)
     across = np.linalg.norm(here, axis=1) * fastest**2
     circle = np.sqrt(np.maximum(isotropic**2 - across**2, 0.0))
     a_limit = np.minimum(np.maximum(axes, circle), a_plain)
@@ -156,7 +169,7 @@ def line_dynamics(
     if len(length) >= RUN:
         v_limit, v_entry = _step_down(v_limit, 0.005), _step_down(v_entry, 0.005)
         a_limit, j_limit = _step_down(a_limit, 0.02), _step_down(j_limit, 0.02)
-    return Dynamics(v_limit, a_limit, j_limit, v_entry), after
+    return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner), after
 
 
 def _step_down(values: Floats, step: float) -> Floats:
@@ -190,6 +203,7 @@ def arc_dynamics(
     `begin`, `angle`: radians; `linear` (n,): way of the axes outside the plane, 0 in it; `feed` per s.
     """
     first, second = plane
+    acceleration, jerk = limits.least_acceleration, limits.least_jerk
     in_plane = radius * abs(angle) / length  # share of the path velocity that turns
     sine = greatest_cosine(begin - math.pi / 2, begin + angle - math.pi / 2)
     cosine = greatest_cosine(begin, begin + angle)
@@ -201,17 +215,17 @@ def arc_dynamics(
     rate = in_plane**3 / radius**2  # q''', along the direction
 
     moving = share > 0.0
-    A = float(limits.acceleration[moving].min())
-    J = float(limits.jerk[moving].min())
+    A = float(acceleration[moving].min())
+    J = float(jerk[moving].min())
     v_axes = float(_least(limits.velocity, share))
     part = min(max(kappa * min(feed, v_axes) ** 2 / A, CURVATURE_SHARE), GREATEST_CURVATURE_SHARE)
     v_limit = min(v_axes, math.sqrt(part * A / kappa), (0.4 * J / rate) ** (1.0 / 3.0))
     fastest = min(v_limit, GREATEST_OVERRIDE * feed)
     across = kappa * fastest**2
-    a_axes = float(_least_left(limits.acceleration, curve * fastest**2, share))
+    a_axes = float(_least_left(acceleration, curve * fastest**2, share))
     a_limit = max(a_axes, math.sqrt(max(A * A - across * across, 0.0)))
-    a_limit = min(a_limit, float(_least(limits.acceleration, share)), 0.6 * J / (3.0 * kappa * fastest))
-    j_limit = min(0.8 * J - rate * fastest**3, float(_least(limits.jerk, share)))
+    a_limit = min(a_limit, float(_least(acceleration, share)), 0.6 * J / (3.0 * kappa * fastest))
+    j_limit = min(0.8 * J - rate * fastest**3, float(_least(jerk, share)))
 
     def border(phi: float) -> Border:
         direction = linear / length
@@ -222,11 +236,12 @@ def arc_dynamics(
         return Border(direction, bend, length, True)
 
     start = border(begin)
-    v_entry = 0.0
+    v_entry = v_corner = 0.0
     if before is not None and before.main:
         turn = np.abs(start.direction - before.direction)[None, :]
         bend = np.abs(start.curvature - before.curvature)[None, :]
         mean = np.array([0.5 * (length + before.length)])
         v_entry = float(corner_speed(limits, period, turn, bend, mean, GREATEST_CURVATURE_SHARE)[0])
-    limits_of_arc = Dynamics(np.array([v_limit]), np.array([a_limit]), np.array([j_limit]), np.array([v_entry]))
-    return limits_of_arc, border(begin + angle)
+        v_corner = float(jump_speed(limits, period, turn, bend)[0])
+    values = (v_limit, a_limit, j_limit, v_entry, v_corner)
+    return Dynamics(*(np.array([value]) for value in values)), border(begin + angle)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from runtime.cnc.blocks import (
     Arc,
+    AxisLimitChange,
     Block,
     BlockEnd,
     Dwell,
@@ -33,6 +34,7 @@ from runtime.cnc.blocks import (
     Message,
     PathRestart,
     Polyline,
+    Polynomials,
     Receiver,
     Source,
     Stop,
@@ -47,10 +49,11 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
-from runtime.cnc.path_preparation.beside_path import beside_path, limits_beside
+from runtime.cnc.path_preparation.beside_path import PathShare, beside_path
 from runtime.cnc.path_preparation.dynamics import Border, Dynamics, arc_dynamics, line_dynamics
 from runtime.cnc.path_preparation.errors import PathError
-from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP
+from runtime.cnc.path_preparation.polynomial_dynamics import fit, polynomial_dynamics
+from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP, POLYNOMIAL_GEOMETRY
 from runtime.diagnostics.errors import Place
 from runtime.hli.external import KINDS
 
@@ -125,7 +128,9 @@ class QueueWriter:
     ) -> None:
         self.queue = queue
         self._error_text = error_text
-        self._limits = self._all_limits = limits
+        self._limits = limits  # of the elements from here on; None of them is in the queue before it has its set
+        self._set: int | None = None
+        self._left = PathShare(limits)
         self._period = period
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
@@ -133,6 +138,7 @@ class QueueWriter:
         self._place: Floats | None = None  # end of the last element in the queue
         self._block_end: Floats | None = None  # end of the last block, moves without length included
         self._pending: Records = np.zeros(0, dtype=RECORD)
+        self._tables: Floats | None = None  # of the pending records, if they are polynomials
         self._done = 0
         self._postponed: Block | None = None  # waits for room for its text
         self._flushing = False
@@ -172,30 +178,38 @@ class QueueWriter:
         return self._done >= len(self._pending)
 
     def _flush(self, most: int) -> int:
-        count = self.queue.append(self._pending[self._done : self._done + max(most, 1)])
+        now = slice(self._done, self._done + max(most, 1))
+        count = self.queue.append(self._pending[now], None if self._tables is None else self._tables[now])
         self._done += count
         return count
 
     def _take(self, block: Block) -> bool:
-        """Make the records of a block; FALSE if there is no room for its text."""
+        """Make the records of a block; FALSE if there is no room for its text or its limits."""
         no_room = self.queue.texts.free == 0 and _with_text(block)
+        no_room = no_room or (not self.queue.limits.room and (self._set is None or isinstance(block, AxisLimitChange)))
         self._postponed = block if no_room else None
         if self._postponed is not None:
             return False
+        if isinstance(block, AxisLimitChange):
+            self._limits, self._set = self._left.of(block.limits), None
+        if self._set is None:
+            self._set = self.queue.limits.put(self._limits)
+        self._tables = None
         self._pending, self._done = self._records(block), 0
         self._mark(self._pending, block)
         return True
 
     def _mark(self, records: Records, block: Block) -> None:
         """What a block says of its elements beside their geometry: override off (G166), feed at the end (E word)."""
-        elements = np.flatnonzero((records["kind"] == RecordKind.LINE) | (records["kind"] == RecordKind.ARC))
+        elements = np.flatnonzero(records["kind"] <= RecordKind.POLYNOMIAL)
         if not len(elements):
             return
         if self._end_feed < math.inf:  # of the block before: both sides of the border keep to it
             first = elements[0]
             records["v_entry"][first] = min(records["v_entry"][first], self._end_feed)
+            records["v_corner"][first] = min(records["v_corner"][first], self._end_feed)
             self._end_feed = math.inf
-        if isinstance(block, Line | Arc):
+        if isinstance(block, Line | Arc | Polynomials):
             if block.override_off:
                 records["override_off"][elements] = 1
             if block.end_feed is not None:
@@ -206,6 +220,10 @@ class QueueWriter:
     def _records(self, block: Block) -> Records:
         if isinstance(block, Polyline):
             return self._polyline(block)
+        if isinstance(block, AxisLimitChange):
+            return np.zeros(0, dtype=RECORD)
+        if isinstance(block, Polynomials):
+            return self._polynomials(block)
         record = np.zeros(1, dtype=RECORD)
         source: Source = block.source
         record["line"] = source.line
@@ -260,7 +278,8 @@ class QueueWriter:
                 return record[:0]
             case ManualMotion() | ManualParameter() | Homing() | TakeOver():
                 self._flushing = beside_path(record, block)
-                self._limits = limits_beside(block, self._limits, self._all_limits)
+                if self._left.changed_by(block):
+                    self._limits, self._set = self._left.now, None
         return record
 
     def _flush_records(self, record: Records, kind: FlushKind) -> Records:
@@ -344,6 +363,8 @@ class QueueWriter:
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit
         records["v_entry"][there] = dynamics.v_entry
+        records["v_corner"][there] = dynamics.v_corner
+        records["limits"][there] = self._set
 
     def _arc(self, record: Records, arc: Arc) -> Records:
         program, line = arc.source.program, arc.source.line
@@ -382,6 +403,48 @@ class QueueWriter:
         self._before, self._place = after, arc.end
         return record
 
+    def _polynomials(self, block: Polynomials) -> Records:
+        """A run of polynomials: one record for each, more where the parameter has to be split."""
+        program, line = block.program, int(block.lines[0])
+        start = self._join(np.vstack([block.start, block.ends]), program, line)
+        gaps = np.abs(block.coefficients[1:, 0] - block.ends[:-1]).max(axis=1)
+        if (gaps > GAP).any():
+            at = int(np.argmax(gaps > GAP))
+            self._expect_no_gap(block.coefficients[at + 1, 0], block.ends[at], program, int(block.lines[at + 1]))
+        fitted = fit(block, start, NO_LENGTH)
+        if fitted is None:
+            raise PathError(POLYNOMIAL_GEOMETRY, Place(program, line))
+        parent, there = fitted.parent, fitted.length > 0.0
+        records = np.zeros(len(parent), dtype=RECORD)
+        records["line"], records["n"] = block.lines[parent], block.numbers[parent]
+        records["program"] = self.queue.program_id(program)
+        records["kind"] = np.where(there, RecordKind.POLYNOMIAL, RecordKind.BLOCK_END)
+        last_part = np.append(parent[1:] != parent[:-1], True)
+        records["block_end"] = (block.block_ends[parent] & last_part & there).astype(np.int64)
+        kept = there | block.block_ends[parent]
+        self._block_end = fitted.ends[-1]
+        if there.any():
+            feed = block.feeds[parent][there] / 60.0
+            slow = ~(feed > 0.0)
+            if slow.any():
+                at = int(parent[there][np.argmax(slow)])
+                raise PathError(NO_FEED, Place(program, int(block.lines[at])), feed=float(block.feeds[at]))
+            dynamics, after = polynomial_dynamics(
+                self._limits,
+                self._period,
+                fitted.tables[there],
+                fitted.length[there],
+                fitted.main[there],
+                feed,
+                self._before,
+            )
+            ends = fitted.ends[there]
+            starts = np.vstack([start, ends[:-1]])
+            self._complete(records, there, starts, ends, fitted.length[there], feed, np.isinf(feed), dynamics)
+            self._before, self._place = after, ends[-1]
+        self._tables = fitted.tables[kept]
+        return records[kept]
+
     def _join(self, points: Floats, program: str, line: int) -> Floats:
         """Where the element really starts: at the end of the one before. Raises PathError if that is not its start."""
         if not np.isfinite(points).all():
@@ -389,14 +452,13 @@ class QueueWriter:
             raise PathError(NOT_FINITE, Place(program, line), axis=self._names[axis])
         start: Floats = points[0]
         if self._block_end is not None:
-            gap = np.abs(start - self._block_end)
-            if gap.max() > GAP:
-                axis = int(np.argmax(gap))
-                raise PathError(
-                    PATH_GAP,
-                    Place(program, line),
-                    start=float(start[axis]),
-                    axis=self._names[axis],
-                    end=float(self._block_end[axis]),
-                )
+            self._expect_no_gap(start, self._block_end, program, line)
         return start if self._place is None else self._place
+
+    def _expect_no_gap(self, start: Floats, end: Floats, program: str, line: int) -> None:
+        gap = np.abs(start - end)
+        if gap.max() > GAP:
+            axis = int(np.argmax(gap))
+            raise PathError(
+                PATH_GAP, Place(program, line), start=float(start[axis]), axis=self._names[axis], end=float(end[axis])
+            )

@@ -1,6 +1,7 @@
 """Software limits: no block is handed on whose path leaves the range of an axis.
 
-A straight move stays within the box if its ends do. An arc also reaches the extremes of the circle that lie on it.
+A straight move stays within the box if its ends do. An arc also reaches the extremes of the circle that lie on it,
+a polynomial its turning points.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Arc, Block, Line, Polyline, SoftwareLimitChange
+from runtime.cnc.blocks import Arc, Block, Line, Polyline, Polynomials, SoftwareLimitChange
 from runtime.cnc.geometry.elements import cosine_range
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.machine import Machine
@@ -22,6 +23,8 @@ from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
 
+# Control points of a polynomial of degree 5 over 0…1 from its coefficients: b_i = Σ_p C(i, p) / C(5, p) c_p.
+BERNSTEIN = np.array([[math.comb(i, p) / math.comb(5, p) for p in range(6)] for i in range(6)])
 ROUNDING = 1e-7  # mm or degrees: a target that was programmed as the limit is not beyond it
 
 
@@ -38,6 +41,22 @@ def _reach(arc: Arc) -> tuple[Floats, Floats]:
         low[axis] = min(low[axis], centre + radius * least)
         high[axis] = max(high[axis], centre + radius * greatest)
     return low, high
+
+
+def polynomial_reach(coefficients: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Smallest and greatest position of every axis on an element (6, n_axes), each (n_axes,).
+
+    The turning points are only looked for where the control points, between which the element lies, leave `low` … `high`.
+    """
+    control = BERNSTEIN @ coefficients
+    least, greatest = control.min(axis=0), control.max(axis=0)
+    for axis in np.flatnonzero((least < low) | (greatest > high)):
+        column = coefficients[::-1, axis]
+        roots = np.roots(np.polyder(column))
+        turning = roots[(np.abs(roots.imag) < 1e-6) & (roots.real > 0.0) & (roots.real < 1.0)].real
+        values = np.polyval(column, np.concatenate([turning, [0.0, 1.0]]))
+        least[axis], greatest[axis] = values.min(), values.max()
+    return least, greatest
 
 
 @kernel
@@ -122,6 +141,11 @@ class SoftwareLimits:
                         block.source.program,
                         block.source.line,
                     )
+        elif isinstance(block, Polynomials):
+            for element, coefficients in enumerate(block.coefficients):
+                for extreme in polynomial_reach(coefficients, self._low, self._high):
+                    if ((extreme < self._low) | (extreme > self._high)).any():
+                        self._refuse(extreme, "the smoothed path", block.program, int(block.lines[element]))
         elif isinstance(block, Polyline):
             count = first_beyond(block.points, self._low, self._high)
             if count < len(block.feeds):

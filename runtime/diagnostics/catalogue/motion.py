@@ -39,3 +39,10 @@ ARC_GEOMETRY = ErrorEntry(
     Reaction.REFUSE,
     "Check centre, radius and end point of the arc.",
 )
+POLYNOMIAL_GEOMETRY = ErrorEntry(
+    301006,
+    "a polynomial of this block stands still somewhere on its way and cannot be driven at a path velocity",
+    Severity.ERROR,
+    Reaction.REFUSE,
+    "Move the points of the curve apart, or switch the smoothing off for this block.",
+)

@@ -130,7 +130,7 @@ def check_path_laws(run: Drive) -> None:
     assert run.overflows == 0, f"{run.overflows} cycles in too many pieces"
     assert (np.diff(s) >= 0.0).all(), f"way back at {np.argmin(np.diff(s))}: {np.diff(s).min()}"
     assert (v >= 0.0).all(), "negative velocity"
-    moving = {k: r for k, r in run.elements.items() if r["kind"] <= RecordKind.ARC}
+    moving = {k: r for k, r in run.elements.items() if r["kind"] <= RecordKind.POLYNOMIAL}
     before = -1
     for cycle in range(run.cycles):
         now = run.record[cycle]

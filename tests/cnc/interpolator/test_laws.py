@@ -115,7 +115,7 @@ def distance_to_path(run: Drive) -> float:
     worst = 0.0
     for cycle, q in enumerate(run.path):
         record = run.elements.get(run.record[cycle])
-        if record is None or record["kind"] > RecordKind.ARC:
+        if record is None or record["kind"] > RecordKind.POLYNOMIAL:
             continue
         start, end = record["start"][:3], record["end"][:3]
         if record["kind"] == RecordKind.LINE:

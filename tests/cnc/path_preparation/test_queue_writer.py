@@ -11,6 +11,7 @@ import pytest
 
 from runtime.cnc.blocks import (
     Arc,
+    AxisLimitChange,
     Block,
     BlockEnd,
     Dwell,
@@ -36,6 +37,7 @@ from runtime.cnc.blocks import (
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.path_preparation import PathError, PumpState, QueueWriter
+from runtime.cnc.queue_limits import ACCELERATION, DECELERATION, SETS
 from runtime.cnc.queue_record import read_record
 from runtime.cnc.queue_texts import TEXTS
 from tests.cnc.interpolator.driving import PERIOD, limits
@@ -267,3 +269,47 @@ def test_a_text_without_a_place_waits_and_nothing_is_lost() -> None:
         texts += [queue.texts.take(read_record(queue, index).text) for index in range(done, queue.written)]
         done = queue.written
     assert texts == [f"{k}" for k in range(2 * TEXTS + 3)]
+
+
+def test_limits_change_in_the_stream_and_every_element_names_its_own() -> None:
+    slow = AxisLimits(LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk, LIMITS.velocity_step, LIMITS.acceleration / 4)
+    queue = written(
+        line(at(0, 0, 0), at(5, 0, 0)), AxisLimitChange(S, slow), line(at(5, 0, 0), at(9, 0, 0)),
+        AxisLimitChange(S, LIMITS), line(at(9, 0, 0), at(12, 0, 0)),
+    )  # fmt: skip
+    assert queue.written == 3
+    sets = [queue.limits.sets[queue.record(k)["limits"]] for k in range(3)]
+    assert [one[ACCELERATION, 0] for one in sets] == [4000.0, 4000.0, 4000.0]
+    assert [one[DECELERATION, 0] for one in sets] == [4000.0, 1000.0, 4000.0]
+    assert [float(queue.record(k)["a_limit"]) for k in range(3)] == [4000.0, 1000.0, 4000.0]
+
+
+def test_the_writer_waits_when_all_sets_of_limits_are_in_use() -> None:
+    queue = MotionQueue(3, capacity=1024)
+    writer = QueueWriter(queue, LIMITS, PERIOD)
+
+    def changing() -> Iterator[Block]:
+        for k in range(SETS + 10):
+            yield AxisLimitChange(
+                S, AxisLimits(LIMITS.velocity, LIMITS.acceleration + k, LIMITS.jerk, LIMITS.velocity_step)
+            )
+            yield line(at(k, 0, 0), at(k + 1, 0, 0))
+
+    blocks = changing()
+    assert writer.pump(blocks) is PumpState.FULL
+    assert queue.written == SETS
+    queue.counters[1] = 20
+    assert writer.pump(blocks) is PumpState.FINISHED
+    assert queue.written == SETS + 10
+
+
+def test_what_a_corner_allows_by_itself_leaves_its_curvature_out() -> None:
+    t = np.linspace(0.0, 1.0, 40)
+    points = np.stack([10 * np.cos(t), 10 * np.sin(t), 0 * t], axis=1)
+    curve = Polyline("p", points, np.full(39, 60_000.0), np.arange(39), np.full(39, -1), at(0, 0, 0))
+    queue = written(curve)
+    turn = np.abs(np.diff(np.diff(points, axis=0) / np.linalg.norm(np.diff(points, axis=0), axis=1)[:, None], axis=0))
+    for k in range(1, 39):
+        jump = float((LIMITS.velocity_step / np.maximum(turn[k - 1], 1e-9)).min())
+        assert queue.record(k)["v_corner"] == pytest.approx(jump, rel=1e-6)
+        assert queue.record(k)["v_entry"] < jump
