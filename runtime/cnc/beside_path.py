@@ -17,9 +17,10 @@ import numpy.typing as npt
 
 from runtime.cnc.axes.homing import AxisHoming, HomingPhase
 from runtime.cnc.axes.manual import HandInputs, ManualAxis
-from runtime.cnc.blocks import ManualValue
+from runtime.cnc.blocks import MANUAL_SHARE, ManualValue
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import ActionKind, GateReason
+from runtime.cnc.path_ahead import path_ahead
 from runtime.cnc.queue_record import QueueRecord
 from runtime.config.machine import Axis, ChannelParameters
 from runtime.diagnostics.catalogue import machine as alarms
@@ -34,6 +35,7 @@ RANK_BITS = 4
 GATES = frozenset({GateReason.MANUAL, GateReason.MANUAL_END, GateReason.HOMING, GateReason.TAKE_OVER})
 ACTIONS = frozenset({ActionKind.MANUAL_ON, ActionKind.MANUAL_PARAMETER})
 _VALUES = tuple(ManualValue)
+_LOOK_AHEAD = 512  # elements of the path that are looked at for software limits
 _SMALL = 1e-6  # mm, degrees: what a position may lie beyond a limit by rounding
 
 
@@ -240,7 +242,9 @@ class BesidePath:
             homing = self._homing[k]
             hold = inputs.feed_hold or inputs.axis_holds[k]
             if homing.over:
-                least, greatest = self._bounds(k, hand, float(path.position[k]), inputs.limits[k])
+                least, greatest = self._bounds(
+                    k, hand, float(path.position[k]), float(path.velocity[k]), inputs.limits[k]
+                )
                 hand.step(self._hand(hand, inputs, k, hold), least, greatest)
             else:
                 problem = self._step_homing(k, homing, inputs.override, hold, path, actual) or problem
@@ -295,12 +299,14 @@ class BesidePath:
         return low, math.inf if axis.position_max is None else axis.position_max
 
     def _bounds(
-        self, k: int, hand: ManualAxis, place: float, dynamic: tuple[float, float] | None
+        self, k: int, hand: ManualAxis, place: float, velocity: float, dynamic: tuple[float, float] | None
     ) -> tuple[float, float]:
         """Of the offset: the software limits as seen from the path, and the relative limits from where the hand was let in."""
         low, high = self._software_limits(k)
         if dynamic is not None:
             low, high = max(low, dynamic[0]), min(high, dynamic[1])
+        if not hand.exclusive and velocity:  # where the path would come to rest
+            place += math.copysign(stopping_way(self._described[k], abs(velocity), 1.0 - MANUAL_SHARE), velocity)
         least, greatest = low - place, high - place
         if not hand.exclusive or self._parameters.rel_offset_limits_std_manual_mode:
             begin = self._released_at[k]
@@ -308,18 +314,25 @@ class BesidePath:
         return least, greatest
 
     def _leaves(self, path: Interpolator) -> Problem | None:
-        """The path takes an axis with its offset to a software limit: it has to brake now to stay inside."""
-        if self._told:
+        """The path will take an axis with its offset over a software limit, and has just the way left to brake before it."""
+        if self._told or not self.offset.any():
             return None
+        ahead = path_ahead(path, _LOOK_AHEAD)
+        if ahead is None:
+            return None
+        slowest = min(self._described, key=lambda axis: axis.acceleration)
+        near = (
+            ahead.distance
+            <= 2.0 * stopping_way(slowest, path.path_velocity, 1.0 - MANUAL_SHARE) + path.path_velocity * 0.01
+        )
         for k, axis in enumerate(self._described):
-            v, offset = float(path.velocity[k]), float(self.offset[k])
-            if v == 0.0 or offset == 0.0:
-                continue
+            hand = self.axes[k].motion
+            offset = hand.position + math.copysign(stopping_way(axis, abs(hand.velocity), MANUAL_SHARE), hand.velocity)
             low, high = self._software_limits(k)
-            ahead = float(path.position[k]) + offset + math.copysign(stopping_way(axis, abs(v)), v)
-            if not low - _SMALL <= ahead <= high + _SMALL and (ahead - high > 0.0) == (v > 0.0):
+            beyond = (ahead.lowest[:, k] + offset < low - _SMALL) | (ahead.highest[:, k] + offset > high + _SMALL)
+            if self.offset[k] != 0.0 and bool((beyond & near).any()):
                 self._told = True
-                return Problem(alarms.OFFSET_LEAVES, {"axis": axis.name, "offset": offset})
+                return Problem(alarms.OFFSET_LEAVES, {"axis": axis.name, "offset": float(self.offset[k])})
         return None
 
     # ------------------------------------------------------------------ orders of operator and PLC
@@ -368,6 +381,7 @@ class BesidePath:
         return None
 
 
-def stopping_way(axis: Axis, speed: float) -> float:
-    """Greatest way of an axis until it stands, with its own acceleration and jerk, from a steady speed; mm or degrees."""
-    return speed * speed / (2.0 * axis.acceleration) + speed * axis.acceleration / (2.0 * axis.jerk)
+def stopping_way(axis: Axis, speed: float, share: float = 1.0) -> float:
+    """Greatest way of an axis until it stands, from a steady speed, with a share of its acceleration and jerk; mm, degrees."""
+    acceleration, jerk = axis.acceleration * share, axis.jerk * share
+    return speed * speed / (2.0 * acceleration) + speed * acceleration / (2.0 * jerk)

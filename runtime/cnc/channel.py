@@ -412,9 +412,10 @@ class Channel:
         if not beside.at_rest:
             self._settling = 0.0
         settled = path.standstill and path.all_told and not self._settles(beside.offset)
-        passage = beside.gate(gate, path, pressed, settled)
-        if not passage.open:
-            return passage.stop
+        if not (self.locked and gate.reason is GateReason.HOMING):  # axes that do not move cannot be homed
+            passage = beside.gate(gate, path, pressed, settled)
+            if not passage.open:
+                return passage.stop
         self._settling = 0.0
         if gate.reason is not GateReason.MANUAL_END:
             taken = beside.take_over(path)

@@ -170,5 +170,8 @@ class Preparation:
         self._blocks = None
         problem = error.problem if self._program is None else located(self._program, error.problem)
         place = problem.place
-        failure = Failure(problem.entry.id, problem.text, place.file, place.line, place.column)
+        file = place.file
+        if self._blocks_folder is not None and file.startswith(self._blocks_folder.name):
+            file = Path(file).name  # NC blocks of an order: their folder tells nobody anything
+        failure = Failure(problem.entry.id, problem.text, file, place.line, place.column)
         self._link.finish(PreparationState.FAILED, failure)

@@ -138,11 +138,14 @@ class SingleAxis:
             self._misses = 0
             return
         self._misses += 1
-        if self._misses > PATIENCE:
-            plan_speed(self._spare, self._state, 0.0, self._limits)
+        if self._misses <= PATIENCE:
+            return
+        for dynamics in (self._dynamics, self._limits):
+            plan_speed(self._spare, self._state, 0.0, dynamics)
             if self._proven():
                 self._drive()
                 self._misses = 0
+                return
 
     def _drive(self) -> None:
         self._plan, self._spare = self._spare, self._plan
