@@ -11,6 +11,7 @@ import numpy as np
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
+from runtime.cnc.tools.setup import ToolSetup
 from runtime.config.channel.parameters import PathKind
 from runtime.config.channel.synchronisation import (
     SYNCH_FLAGS,
@@ -102,6 +103,7 @@ class DecoderSetup:
     m_synch: Mapping[int, Synch] = field(default_factory=dict)
     h_synch: Mapping[int, Synch] = field(default_factory=dict)
     tool_synch: Synch = Synch.NO_SYNCH
+    tools: ToolSetup = field(default_factory=ToolSetup)
     program_paths: tuple[Path, ...] = ()
     message_paths: tuple[Path, ...] = ()  # where #MSG SAVE writes, the first one counts
     start_g: tuple[int, ...] = ()  # G functions that hold from program start on (prog_start.g_gruppe)
@@ -171,6 +173,7 @@ class DecoderSetup:
             m_synch=_table(parameters.m_synch, "m_synch"),
             h_synch=_table(parameters.h_synch, "h_synch"),
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
+            tools=ToolSetup.of(parameters),
             program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),
             message_paths=tuple(Path(folder) for folder in described.folders(PathKind.MESSAGES)),
             feed=parameters.prog_start.feedrate,

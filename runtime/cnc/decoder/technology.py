@@ -81,7 +81,6 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
         tool = values[block.tool]
         if not 0 <= tool <= VALUE_LIMIT:
             raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
-        modal.tool = round_half_up(tool)
         if setup.tool_synch != Synch.NO_SYNCH:
             functions.add(TechnologyFunction(source, Technology.T, round_half_up(tool), 0.0, setup.tool_synch))
     numbers = [_number(slots, values, addresses) for slots in block.m]

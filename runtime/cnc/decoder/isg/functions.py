@@ -17,6 +17,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_messages,
     statements_positions,
     statements_timers,
+    statements_tools,
     statements_variables,
     variables_axis,
     variables_channel,
@@ -25,5 +26,6 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     variables_program,
     variables_spindle,
     variables_stamps,
+    variables_tools,
     variables_zero_offsets,
 )
