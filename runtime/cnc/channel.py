@@ -27,6 +27,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
+from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologyFunctions
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
@@ -81,6 +82,8 @@ class ChannelInputs:
     single_block: bool = False
     optional_stop: bool = False
     continue_motion: bool = False
+    read_disable: bool = False
+    restricted: bool = False  # a direction is blocked, or an axis has dynamic limits
     # of the path axes, in their order
     axis_holds: list[bool] = field(default_factory=list)
     blocked: list[int] = field(default_factory=list)  # runtime.hli.layout.Blocked
@@ -108,10 +111,12 @@ class Channel:
         axes: npt.NDArray[np.int64],
         window: Floats,
         beside: BesidePath,
+        stop_before: StopBefore,
     ) -> None:
         self._axes = axes
         self._window = window
         self.beside = beside
+        self.stop_before = stop_before
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.queue = queue
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
@@ -256,8 +261,9 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
-        if inputs.axis_feed_hold:
-            stop |= _AXIS_FEED_HOLD
+        before = self.stop_before
+        before.step(inputs)
+        stop |= before.hold
         if not axes_ready:
             stop |= _AXIS_NOT_READY
         if self.functions.full:
@@ -269,7 +275,8 @@ class Channel:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
-        path.step(override=override, feed_hold=held, single_block=inputs.single_block)
+        single = inputs.single_block or before.stop_at_block_ends
+        path.step(override=override, feed_hold=held, single_block=single)
         problem = self.beside.step(inputs, path, actual[self._axes])
         if problem is not None:
             self.problems.append(problem)
@@ -351,6 +358,10 @@ class Channel:
         gate = self._gate_record
         assert gate is not None
         if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
+            if not inputs.single_block:  # only to stop before what comes then: that is held by itself
+                if path.at_gate or self.stop_before.may_follow(inputs, path.gate):
+                    path.open_gate()
+                return _NONE
             if not path.at_gate:
                 return _NONE
             if pressed:

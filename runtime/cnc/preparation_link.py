@@ -167,12 +167,15 @@ class PreparationLink:
         return bool(self._get("holds"))
 
     def reach(
-        self, command: npt.NDArray[np.float64], actual: npt.NDArray[np.float64], manual: npt.NDArray[np.float64]
+        self,
+        command: npt.NDArray[np.float64],
+        actual: npt.NDArray[np.float64],
+        manual: npt.NDArray[np.float64] | None = None,
     ) -> None:
         """The path stands at the next place where the decoder waits, and everything is done; positions (n_axes,), machine
         coordinates, and the offsets by hand."""
         record = self._record
-        record["manual"][0, : self._n_axes] = manual
+        record["manual"][0, : self._n_axes] = 0.0 if manual is None else manual
         record["command"][0, : self._n_axes] = command
         record["actual"][0, : self._n_axes] = actual
         record["reached"][0] += np.uint32(1)

@@ -228,7 +228,7 @@ class AxisCommands:
         self._changes = Changes(control, "drive_on", "override_valid")
         self._present_before: bool | None = None
         self._reset = OneShot(control.reset)
-        self.drive_on = True  # with torque permission, and neither follow-up nor parked
+        self.drive_on = True  # with torque permission, and no follow-up
         self.release = True  # feed enable
         self.feed_hold = False
         self.parked = False  # wanted; taken over while no program runs
@@ -254,7 +254,7 @@ class AxisCommands:
         self.parked = sample_bool(control.parked, present, False)
         on = sample_bool(control.drive_on, present, True)
         torque = sample_bool(control.torque_permission, present, True)
-        self.drive_on = on and torque and not sample_bool(control.follow_up, present, False) and not self.parked
+        self.drive_on = on and torque and not sample_bool(control.follow_up, present, False)
         self.release = sample_bool(control.release_feedhold, present, True)
         self.feed_hold = sample_bool(control.feedhold, present, False)
         self.blocked = sample_uns32(control.directional_feedhold, present, 0) & (Blocked.PLUS | Blocked.MINUS)
@@ -269,6 +269,18 @@ class AxisCommands:
         self.override = override / FULL_OVERRIDE
         self.reset = self._reset.sample(present)
         return True
+
+    def show_parked(self, parked: bool) -> None:
+        """Whether the axis is really out of use."""
+        unit = self._control.parked
+        if unit.state_r != parked:
+            unit.state_r = parked
+
+    def show_limits(self, state: int) -> None:
+        """How the axis stands to its dynamic limits."""
+        for unit in (self._control.dyn_pos_limit_low, self._control.dyn_pos_limit_high):
+            if unit.state_r != state:
+                unit.state_r = state
 
     def _dynamic_limits(self, present: bool) -> tuple[float, float] | None:
         low, high = self._control.dyn_pos_limit_low, self._control.dyn_pos_limit_high

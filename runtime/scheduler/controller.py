@@ -28,6 +28,7 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
+from runtime.cnc.stop_before import StopBefore
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
@@ -48,6 +49,7 @@ Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 _ENABLED = int(DriveState.OPERATION_ENABLED)
 _OFFLINE = int(DriveState.OFFLINE)
+_PARKED_WAY = 1e-6  # mm, degrees: more than that is a motion
 _UNREFERENCED = (Mode.MANUAL, Mode.HOMING)  # modes that need no reference
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
@@ -105,11 +107,13 @@ class Controller:
             self._path_axes,
             np.array([axis.in_position for axis in path_axes]),
             self.beside,
+            StopBefore(self.interpolator, path_axes, described.parameters.hli_input_disable_condition),
         )
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
         self.beside.commands = self.orders.manual
+        self.supervision.lag_monitored = self.orders.lag_monitored
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
@@ -117,6 +121,9 @@ class Controller:
         self._states: list[int] = drives.image.state.tolist()
         self._enabled = [state == _ENABLED for state in self._states]
         self._path_enabled = False
+        self.parked = np.zeros(len(machine.axes), dtype=np.bool_)  # out of use
+        self._any_parked = False
+        self._parked_at = np.zeros(len(path_axes))  # where the path has parked axes
         self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
         self._process_lost_before = 0
         self._astray: set[int] = set()  # path axes that were lost while the program ran
@@ -139,6 +146,7 @@ class Controller:
         self.publisher.outputs()
         self._obey()
         self._move()
+        self.orders.show_limits(self.channel)
         self.publisher.status(self.orders.inputs.override)
         self.drives.write()
 
@@ -155,7 +163,9 @@ class Controller:
             self.cycle_number,
         )
         if self.channel.active and not self.channel.locked:
-            if self._path_enabled and not self._astray:
+            if self._any_parked:
+                self._move_without_parked()
+            elif self._path_enabled and not self._astray:
                 image.target_position[self._path_axes] = self.interpolator.position + self.beside.offset
             else:  # an axis without its drive tracks, the others still brake on the path
                 self._brake_without_lost_axes(enabled)
@@ -165,6 +175,17 @@ class Controller:
         if self.channel.problems:
             for problem in self._take_problems():
                 self.alarm(problem)
+
+    def _move_without_parked(self) -> None:
+        """Parked axes track; a path that would move one of them stops."""
+        self._brake_without_lost_axes([on and not self.parked[i] for i, on in enumerate(self._enabled)])
+        if self.channel.error is not None:
+            return
+        for k, i in enumerate(self._path_list):
+            way = self.interpolator.position[k] + self.beside.offset[k] - self._parked_at[k]
+            if self.parked[i] and abs(way) > _PARKED_WAY:
+                self.alarm(Problem(alarms.PARKED_MOVED, {"axis": self.machine.axes[i].name}), i)
+                return
 
     def _brake_without_lost_axes(self, enabled: list[bool]) -> None:
         """An axis that has left the path stays off it until the program is over: going back to it would be a jump."""
@@ -209,6 +230,7 @@ class Controller:
                 elif event.node == 0:  # the bus itself
                     self._told[:] = True
             self.alarm(problem, event.axis)
+        wanted = self._without_parked(wanted)
         for fault in self.supervision.monitor(wanted):
             self._axis_fault(fault)
         if not self._path_enabled:
@@ -227,14 +249,25 @@ class Controller:
                 self.beside.lose_reference(k)
         self._states = states
         self._enabled = [state == _ENABLED for state in states]
-        self._path_enabled = all(self._enabled[i] for i in self._path_list)
+        self._path_enabled = all(self._enabled[i] or self.parked[i] for i in self._path_list)
+
+    def _without_parked(self, wanted: Flags) -> Flags:
+        """The drives that shall be on, without those of axes out of use; that changes only while no program runs."""
+        orders = self.orders
+        if not self.channel.active and (self.parked != orders.park).any():
+            self.parked[:] = orders.park
+            self._path_enabled = all(self._enabled[i] or self.parked[i] for i in self._path_list)
+        if self._any_parked or self.parked.any():
+            self._any_parked = bool(self.parked.any())
+            orders.show_parked(self.parked)
+        return wanted & ~self.parked if self._any_parked else wanted
 
     def _watch_tracking(self, wanted: Flags) -> None:
         """A program cannot go on with an axis that was switched off: it would jump when it is switched on again."""
         if not self.channel.active or self.channel.error is not None or self._stopping:
             return
         for i in self._path_list:
-            if not wanted[i] and not self._enabled[i]:
+            if not wanted[i] and not self._enabled[i] and not self.parked[i]:
                 self.alarm(Problem(alarms.AXIS_TRACKING, {"axis": self.machine.axes[i].name}), i)
                 return
 
@@ -299,6 +332,7 @@ class Controller:
             return
         position = self.drives.image.target_position[self._path_axes].copy()
         self._astray.clear()
+        self._parked_at[:] = position
         self.publisher.program(work.content)
         order = StartOrder(work.content, position, self.orders.skip_levels, work.mode, work.text)
         self.channel.start(order, locked=self.orders.machine_lock)
@@ -311,13 +345,13 @@ class Controller:
         if self.channel.error is not None:
             return Problem(alarms.CHANNEL_IN_ERROR)
         for i in self._path_axes:
-            if image.state[i] != DriveState.OPERATION_ENABLED:
+            if image.state[i] != DriveState.OPERATION_ENABLED and not self.parked[i]:
                 return Problem(alarms.AXES_NOT_READY, {"axis": self.machine.axes[i].name})
         if self.plc is not None and not self.plc.running:
             return Problem(alarms.PLC_NOT_RUNNING)
         if mode not in _UNREFERENCED:
             for i, referenced in zip(self._path_list, self.beside.referenced, strict=True):
-                if not referenced:
+                if not referenced and not self.parked[i]:
                     return Problem(alarms.NOT_REFERENCED, {"axis": self.machine.axes[i].name})
         return None
 

@@ -28,6 +28,8 @@ class Orders:
         self.inputs = ChannelInputs(axis_holds=[False] * n, blocked=[0] * n, limits=[None] * n)
         self.manual = ManualCommands(hli.channels[0], hli.operator[0])
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
+        self.lag_monitored: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
+        self.park: npt.NDArray[np.bool_] = np.zeros(len(machine.axes), dtype=np.bool_)  # wanted
         self.mode = Mode.STANDBY
         self.state = State.SELECTED
         self.mode_changed = False
@@ -50,6 +52,8 @@ class Orders:
         if changed:
             self._sample_path_axes()
             self.drives_on[:] = [axis.drive_on for axis in self._axis_commands]
+            self.lag_monitored[:] = [axis.lag_monitored for axis in self._axis_commands]
+            self.park[:] = [axis.parked for axis in self._axis_commands]
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs
         inputs.override = commands.override
@@ -57,6 +61,7 @@ class Orders:
         inputs.single_block = commands.single_block
         inputs.optional_stop = commands.optional_stop
         inputs.continue_motion = commands.continue_motion
+        inputs.read_disable = commands.read_disable
 
     def _sample_path_axes(self) -> None:
         inputs = self.inputs
@@ -65,6 +70,21 @@ class Orders:
             inputs.blocked[k] = axis.blocked
             inputs.limits[k] = axis.limits
         inputs.axis_feed_hold = any(inputs.axis_holds)
+        inputs.restricted = any(inputs.blocked) or any(limits is not None for limits in inputs.limits)
+
+    def show_parked(self, parked: npt.NDArray[np.bool_]) -> None:
+        """Which axes (n_axes,) are out of use."""
+        for axis, state in zip(self._axis_commands, parked.tolist(), strict=True):
+            axis.show_parked(state)
+
+    def show_limits(self, channel: Channel) -> None:
+        """How the path axes with dynamic limits stand to them."""
+        if not self.inputs.restricted:
+            return
+        path = channel.interpolator.position + channel.beside.offset
+        for k, (axis, limits) in enumerate(zip(self._path_commands, self.inputs.limits, strict=True)):
+            if limits is not None:
+                axis.show_limits(channel.stop_before.limit_state(k, limits, float(path[k])))
 
     def reference_cam(self, axis: int) -> bool | None:
         """What the PLC says of the reference cam of an axis (index in the machine), None if it says nothing."""

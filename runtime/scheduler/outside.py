@@ -30,6 +30,7 @@ class RunningMachine:
         self.now = now
         self._link = link
         self._head = hli.head
+        self._axes = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
         self._timers = Timers(hli)
         self._external = external_area(hli)
         self._backlog: deque[Report] = deque()
@@ -48,6 +49,12 @@ class RunningMachine:
 
     def manual_offsets(self) -> Floats | None:
         return self._link.manual_offsets
+
+    def referenced(self, axis: int) -> bool:
+        return bool(self._axes[axis].status.referenced_r)
+
+    def parked(self, axis: int) -> bool:
+        return bool(self._axes[axis].control.parked.state_r)
 
     def cycle(self) -> int:
         return int(self._head.cycle_r)

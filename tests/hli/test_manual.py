@@ -64,8 +64,9 @@ class KeyJobs(RuleBasedStateMachine):
             for i in range(KEYS):
                 area = self.channel.control.manual.key[i]
                 if area.request_semaphor_rw:
-                    self.refused.add(area.request_r.hold_time)
+                    self.refused.add(int(area.request_r.hold_time))
         self.present = present
+        self.cycle()  # the CNC has seen it
 
     @rule(unit=st.integers(0, KEYS - 1), allow=st.booleans())
     def plc_answers_a_request(self, unit: int, allow: bool) -> None:
