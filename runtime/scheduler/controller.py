@@ -29,6 +29,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.cnc.stop_before import StopBefore
+from runtime.cnc.technology import TechnologySettings
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
@@ -101,7 +102,8 @@ class Controller:
             hli,
             hli.channels[0],
             spindles,
-            [TechnologyPort(hli.axes[i]) for i in indices],
+            {i: TechnologyPort(hli.axes[i]) for i in range(len(machine.axes))},
+            TechnologySettings.of(described.parameters),
             events,
             period,
             self._path_axes,

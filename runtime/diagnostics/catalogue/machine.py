@@ -151,6 +151,13 @@ PARKED_MOVED = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="take the axis back into use, or leave it out of the program",
 )
+PRE_OUTPUT_LATE = ErrorEntry(
+    120815,
+    "{letter}{number} would be put out {late:.4f} mm behind its planned place, allowed are {limit:.4f} mm",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="give it a shorter lead, program more path in front of it, or raise pre_output_tolerance (P-CHAN-00760)",
+    source="channel parameters, line 2437",
+)
 
 # ------------------------------------------------------------------------------------------- #ERROR of an NC program
 
