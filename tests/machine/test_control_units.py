@@ -29,7 +29,8 @@ def axis_unit(driven: Driven, axis: int) -> AxisControl:
     """The units of an axis whose area has a PLC."""
     area = driven.hli.axes[axis]
     area.plc_present_w = True
-    return area.control
+    control: AxisControl = area.control
+    return control
 
 
 def claim(unit: object, value: object) -> None:

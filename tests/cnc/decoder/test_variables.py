@@ -856,8 +856,8 @@ def test_asking_whether_an_axis_is_parked_or_has_its_reference_flushes(name: str
 
 @pytest.mark.spec("isg.var.a-limits-offsets")
 def test_the_reference_point_is_where_homing_finds_it() -> None:
-    setup = replace(DecoderSetup(("X", "Y"), (True, True)), reference_points=(-25.4, 0.0))
-    assert values("G92 X10\nG00 X5\nP1=V.A.REF.X\nG70\nP2=V.A.REF.X", setup=setup, start=(3.0, 0.0)) == {
+    setup = replace(SETUP, reference_points=(-25.4, 0.0, 0.0))
+    assert values("G92 X10\nG00 X5\nP1=V.A.REF.X\nG70\nP2=V.A.REF.X", setup=setup, start=(3.0, 0.0, 0.0)) == {
         1: -25.4,
         2: -1.0,
     }
