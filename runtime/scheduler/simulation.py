@@ -314,7 +314,7 @@ class Simulation:
     def close(self, result: Result | None = None) -> None:
         """Write what stands at the end of the trace, leave the bus, give back the program's files."""
         self.drives.stop()
-        self.preparation.close()
+        self.preparation.end()
         while self._leave_bus:
             self._leave_bus.pop()()
         if self.writer is not None and self.samples is not None:

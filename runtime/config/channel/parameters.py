@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import IntFlag
+from typing import Literal
 
 from pydantic import Field, PrivateAttr
 
@@ -205,6 +206,14 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    hli_input_disable_condition: Literal["DEFAULT", "NEXT_NON_RAPID_BLOCK", "NEXT_RAPID_BLOCK"] = (
+        "DEFAULT"  # P-CHAN-00267
+    )
+    # manual mode
+    path_reject_std_manual_mode: bool = False  # P-CHAN-00113
+    rel_offset_limits_std_manual_mode: bool = False  # P-CHAN-00114
+    override_v_handwheel: bool = False  # P-CHAN-00186
+    err_outp_manual_mode_move: bool = False  # P-CHAN-00437
     # dynamics
     vector: VectorParameters = VectorParameters()
     dynamic_weighting_active: int = 0  # P-CHAN-00190, straight moves: 1 G00, 2 G01, 3 both

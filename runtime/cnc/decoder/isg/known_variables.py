@@ -69,8 +69,6 @@ KNOWN = {
     "V.A.MOFFS": "measuring",
     "V.A.MERF": "measuring",
     "V.A.MEIN": "measuring",
-    "V.A.MANUAL_OFFSETS": "#GET MANUAL OFFSETS",
-    "V.A.SOFFS": "#GET MANUAL OFFSETS",
     "V.A.ENCODER2_VALUE": "second encoders",
     "V.A.ANTR_TYP": "drive types",
     "V.A.TORQUE_NOM": "drive data",
