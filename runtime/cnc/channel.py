@@ -351,6 +351,7 @@ class Channel:
         self.interpolator.restart(self.interpolator.position.copy())
         if self._drops:
             self.functions.drop()
+        if self._drops or self.error is not None:
             self.actions.life.save()
         self.functions.restart()
         self._dwell_left = -1.0
