@@ -145,6 +145,7 @@ class Channel:
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
         self._user_error_told = False
+        self._came_to_end = False  # of the program
         self._settling = 0.0  # s at the present #FLUSH WAIT
         self._actual = np.zeros(0)
         self._time = 0.0
@@ -157,7 +158,7 @@ class Channel:
         self.program = program
         self.program_ended = False
         self.error = None
-        self._told_failure = self._user_error_told = False
+        self._told_failure = self._user_error_told = self._came_to_end = False
         self._traced_index = -1
         self.block_counter = 0
         self.actions.begin()
@@ -282,9 +283,9 @@ class Channel:
         passed = path.passed
         for index in passed:
             self._pass(index)
+        self.functions.look_ahead(held=held or override == 0.0)
         if life.wanted:
             life.moved(path.path_position)
-        self.functions.look_ahead(held=held or override == 0.0)
         if self.trace_blocks:
             self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
@@ -351,9 +352,9 @@ class Channel:
         self.interpolator.restart(self.interpolator.position.copy())
         if self._drops:
             self.functions.drop()
-        if self._drops or self.error is not None:
-            self.actions.life.save()
         self.functions.restart()
+        if not self._came_to_end:
+            self.actions.life.save()
         self._dwell_left = -1.0
         self._settling = 0.0
         self.program_ended = True
@@ -411,6 +412,7 @@ class Channel:
                 return _WAIT_TECHNOLOGY
             self._event(EventKind.BLOCK_END, gate.line, gate.n)
             path.open_gate()
+            self._came_to_end = True
             self._clear(drop=False)
             return _NONE
         if pressed:

@@ -491,8 +491,9 @@ class QueueWriter:
             moving = (fitted.tables[there][:, 1:MAP, : self._axes] != 0.0).any(axis=1)
             feed, share = self._overridden(feed, rapid, moving, True)
             limited = self._limits.polynomials(
-                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before
-            )
+                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before,
+                check_jerk=block.check_jerk, constant_velocity=block.constant_velocity,
+            )  # fmt: skip
             self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
             self._before, self._place = limited.after, ends[-1]
         self._tables = fitted.tables[kept]

@@ -214,6 +214,9 @@ class ChannelParameters(Model):
     exact_stop_after_g00: bool = False  # P-CHAN-00235
     # tool radius compensation
     wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
+    # smoothing
+    check_jerk_on_poly_path: int = Field(default=1, ge=0, le=3)  # P-CHAN-00110
+    contouring_consider_inch: bool = False  # P-CHAN-00439, lengths of smoothing in inch under G70
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118
