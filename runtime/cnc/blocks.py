@@ -246,6 +246,7 @@ class TechnologyFunction:
     speed only; `spindle` is the index of the spindle among the channel's spindles, else -1. `area` is the index of the axis
     on whose interface it is put out, among all axes of the machine, -1 for the interface of the channel. `lead` is how far
     ahead of its place it is put out: mm for MEP, seconds for MET types. `duration`: seconds that it is expected to take.
+    For T `number` is the basic number of the tool; `sister` and `variant` are 0 for none.
     """
 
     source: Source
@@ -257,6 +258,8 @@ class TechnologyFunction:
     area: int = -1
     lead: float = 0.0
     duration: float = 0.0
+    sister: int = 0
+    variant: int = 0
 
 
 @dataclass(frozen=True, slots=True)

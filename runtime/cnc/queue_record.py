@@ -14,6 +14,8 @@ class QueueRecord(NamedTuple):
 
     `synch` of a WAIT gate are the types that are waited for; `area` and `lead` as in TechnologyFunction.
 
+    `offset` and `size` of a T function are sister and variant number of the tool.
+
     `text`, -1 for none, is an index into the texts of the queue. `number` and `value` of
 
     - a message: 1 if it goes to the PLC, and 1 if it is information; `size` its receiver (position in `Receiver`);

@@ -401,10 +401,10 @@ class TechnologyUnit(c.Structure):
     CNC: fills the data, lowers done_w, raises please_rw. PLC: copies, lowers please_rw (taken); raises done_w when the
     action is finished (executed). Kinds without acknowledgement (MOS) end when they are taken: their done_w is left
     alone. `value` is the additional value of M and H; for S `position` and `revolutions` in 0.0001 degrees and 0.001
-    degrees/s; for T `number` is the tool. `time` of MOS_TS is the moment within the cycle in which please_rw is raised,
-    µs from its start. `sequence_r` counts the functions of the area from 1, both arrays together: the order in which
-    they were put out. `nr_late_sync_r` counts the late functions of the area that are not done, this one included.
-    `spindle_r` is the logical axis number of a spindle that the PLC itself moves, else 0.
+    degrees/s; for T `number` is the tool, `sister` and `variant` count if their flag is TRUE. `time` of MOS_TS is the moment
+    within the cycle in which please_rw is raised, µs from its start. `sequence_r` counts the functions of the area from 1, both
+    arrays together: the order in which they were put out. `nr_late_sync_r` counts the late functions of the area that are not
+    done, this one included. `spindle_r` is the logical axis number of a spindle that the PLC itself moves, else 0.
     """
 
     _fields_ = [
@@ -419,7 +419,11 @@ class TechnologyUnit(c.Structure):
         ("sequence_r", c.c_uint32),
         ("nr_late_sync_r", c.c_uint16),
         ("spindle_r", c.c_uint16),
+        ("sister_r", c.c_int32),
+        ("variant_r", c.c_int32),
         ("fkt_ctrl_r", c.c_uint16),
+        ("sister_valid_r", c.c_bool),
+        ("variant_valid_r", c.c_bool),
         ("please_rw", c.c_bool),
         ("done_w", c.c_bool),
     ]

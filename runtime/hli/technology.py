@@ -57,6 +57,8 @@ class Function:
     revolutions: int = 0
     time: int = 0
     spindle: int = 0
+    sister: int = 0  # T: of the tool, 0 none
+    variant: int = 0
 
     @property
     def acknowledged(self) -> bool:
@@ -210,6 +212,8 @@ def _fill(unit: TechnologyUnit, function: Function, sequence: int, late: int) ->
     unit.sequence_r = sequence
     unit.nr_late_sync_r = late
     unit.spindle_r = function.spindle
+    unit.sister_r, unit.variant_r = function.sister, function.variant
+    unit.sister_valid_r, unit.variant_valid_r = function.sister != 0, function.variant != 0
     unit.fkt_ctrl_r = function.kind
     unit.done_w = False
     unit.please_rw = True  # last: everything above is complete when the PLC sees it
@@ -290,4 +294,6 @@ def _copy(unit: TechnologyUnit) -> Function:
         revolutions=int(unit.revolutions_r),
         time=int(unit.time_r),
         spindle=int(unit.spindle_r),
+        sister=int(unit.sister_r) if unit.sister_valid_r else 0,
+        variant=int(unit.variant_r) if unit.variant_valid_r else 0,
     )

@@ -34,6 +34,8 @@ class NcFunction:
     line: int  # program line
     area: str  # name of the channel or axis that gave it out
     acknowledged: bool  # whether the path waits for it somewhere
+    sister: int = 0  # T: sister and variant number of the tool, 0 none
+    variant: int = 0
     elapsed: float = 0.0  # seconds since it came
 
     @property
@@ -56,6 +58,8 @@ def nc_function(function: Function, area: str) -> NcFunction:
         line=function.line,
         area=area,
         acknowledged=function.acknowledged,
+        sister=function.sister,
+        variant=function.variant,
     )
 
 

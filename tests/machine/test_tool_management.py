@@ -12,6 +12,7 @@ from runtime.config.loader import DEMO_MACHINE, parse_machine
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import tools as catalogue
 from runtime.hli.memory import HliMemory
+from runtime.hli.technology import Kind
 from runtime.hli.tools import ManagedTool, RequestKind, ToolLife, ToolOrder, ToolStore
 from runtime.scheduler.simulation import Result, Simulation
 from tests.machine.scripted_plc import ScriptedPlc
@@ -26,6 +27,7 @@ class ToolPlc(ScriptedPlc):
     def __init__(self, memory: HliMemory) -> None:
         super().__init__(memory, {})
         self.store = ToolStore(memory.hli.channels[0])
+        self.told: dict[int, tuple[int, int | None, int | None]] = {}  # T functions
         self.orders: list[tuple[str, int]] = []
         self.parameters: list[float] = []
         self.life: list[ToolLife] = []
@@ -34,6 +36,10 @@ class ToolPlc(ScriptedPlc):
 
     def wake(self, time: float) -> None:
         super().wake(time)
+        for unit in self.hli.channels[0].techno_unit_std_sync:
+            if unit.fkt_ctrl_r == Kind.T and unit.sequence_r not in self.told:
+                sister = unit.sister_r if unit.sister_valid_r else None
+                self.told[unit.sequence_r] = (unit.number_r, sister, unit.variant_r if unit.variant_valid_r else None)
         order = self.store.take()
         if order is not None:
             self.orders.append((order.kind.name, order.id.basic))
@@ -83,6 +89,13 @@ def test_the_path_stands_at_the_d_word_until_the_tool_is_there(program: Write) -
     assert result.positions["Z"] == pytest.approx(90)
     assert plc[0].orders == [("PREPARE", 1), ("DATA", 1), ("SAVE", 1), ("DATA", 2), ("SAVE", 2)]
     assert result.time > 2 * DELAY
+
+
+@pytest.mark.spec("hli.tech.t-data", "isg.toolext.tool-data-prep")
+def test_the_plc_gets_the_whole_identity_of_the_tool_that_comes_next(program: Write) -> None:
+    plc: list[ToolPlc] = []
+    assert run(program("%T\nT5\n#TOOL PREP [6,2,3]\n#TOOL PREP [7,,4]\nM30\n"), plc).good
+    assert list(plc[0].told.values()) == [(5, None, None), (6, 2, 3), (7, None, 4)]
 
 
 @pytest.mark.spec("chan.tool.external-management")

@@ -190,6 +190,7 @@ class WordBlocks:
         for kind in functions.stops:
             x.emit(Stop(x.source, kind))
         if motion or x.tools.moved:
+            x.tools.moved = False
             x.block_end()
         if functions.flush:
             x.emit(Flush(x.source, FlushKind.WAIT))

@@ -96,11 +96,7 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
         tool = values[block.tool]
         if not 0 <= tool <= VALUE_LIMIT:
             raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
-        if setup.tool_synch != Synch.NO_SYNCH:
-            number = round_half_up(tool)
-            functions.add(
-                TechnologyFunction(source, Technology.T, number, 0.0, setup.tool_synch, duration=setup.tool_duration)
-            )
+        put_out_tool(x, functions, round_half_up(tool))
     numbers = [_number(slots, values, addresses) for slots in block.m]
     for slots, number in zip(block.m, numbers, strict=True):
         if number in SPINDLE_M:
@@ -129,6 +125,17 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
         number = _number(slots, values, addresses)
         put_out(x, functions, Technology.H, number, _extra(slots, values), slots.word.column)
     return functions
+
+
+def put_out_tool(x: Execution, functions: Functions, basic: int, sister: int = 0, variant: int = 0) -> None:
+    """The T function of a tool, if the channel has one (P-CHAN-00086)."""
+    setup = x.setup
+    if setup.tool_synch != Synch.NO_SYNCH:
+        synch, duration = setup.tool_synch, setup.tool_duration
+        tool = TechnologyFunction(
+            x.source, Technology.T, basic, 0.0, synch, duration=duration, sister=sister, variant=variant
+        )
+        functions.add(tool)
 
 
 def put_out(

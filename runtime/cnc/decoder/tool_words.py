@@ -36,7 +36,6 @@ def tools_ready(x: Execution, block: CompiledBlock, values: Values) -> bool:
 
 def tool_words(x: Execution, block: CompiledBlock, values: Values) -> None:
     """T and D of the block. LineError for what cannot be selected."""
-    x.tools.moved = False
     if block.tool >= 0:
         x.tools.id = ToolId(_position(values[block.tool], block.column(WordKind.TOOL)))
     number = data_number(x, block, values)

@@ -35,7 +35,7 @@ class Tooling:
         self.known: dict[
             int, Tool | tuple[int, int]
         ] = {}  # what it has told for V.G.WZ[j], or the request and its cycle
-        self.moved = False  # the block in work has moved axes by its D word
+        self.moved = False  # axes were moved by a D word since the last block end
         self._late: set[int] = set()  # axes that never move by a D word itself: see `assigned`
 
     @property

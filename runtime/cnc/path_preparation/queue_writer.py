@@ -254,6 +254,7 @@ class QueueWriter:
                 record["function"], record["number"] = int(block.kind), block.number
                 record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
                 record["area"], record["lead"], record["seconds"] = block.area, block.lead, block.duration
+                record["offset"], record["size"] = block.sister, block.variant
             case Wait():
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
                 record["synch"] = int(block.kinds)

@@ -339,5 +339,7 @@ def _to_interface(record: QueueRecord, synch: int, spindle: Spindle | None, time
         line=record.line,
         block_number=-1 if record.n is None else record.n,
         revolutions=revolutions,
+        sister=record.offset,
+        variant=record.size,
         time=duration if record.area >= 0 or not synch & _TIME_STAMP else time,  # axes get no offset
     )

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.cnc.blocks import Line, TechnologyFunction, ToolRadius
+from runtime.cnc.blocks import BlockEnd, Line, TechnologyFunction, ToolRadius
 from runtime.cnc.decoder import ChannelMemory, DecoderSetup
 from runtime.cnc.tools.setup import ToolSetup
 from runtime.cnc.tools.table import MemoryTools, SqliteTools
@@ -130,6 +130,11 @@ def test_with_direct_offsets_the_d_word_moves() -> None:
     made = good("G01 F100 D2\nD0 G90 X0", direct_offsets=True)
     assert made.ends == [[10, 20, 81], [0, 0, 0], [0, 0, 0]]
     assert [block.feed for block in made.blocks if isinstance(block, Line)] == [100, 100, 100]
+
+
+def test_a_block_that_moves_by_its_tool_only_is_a_step_of_single_block() -> None:
+    made = good("G00 X1 T1\nD1\nV.G.WZ_AKT.L = 60 T2\nT3", direct_offsets=True)
+    assert [block.source.line for block in made.blocks if isinstance(block, BlockEnd)] == [1, 2, 3]
 
 
 def test_a_direct_offset_needs_a_feed_as_any_motion() -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Synch, Technology, TechnologyFunction
+from runtime.cnc.blocks import Flush, FlushKind
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
-from runtime.cnc.decoder.technology import Functions
+from runtime.cnc.decoder.technology import Functions, put_out_tool
 from runtime.cnc.decoder.tool_management import announce_outside, ready
 from runtime.cnc.decoder.tool_words import move_at_once, select, select_id
 from runtime.cnc.language.isg.functions import round_half_up
@@ -59,11 +59,12 @@ def prepare(x: Execution, call: StatementCall) -> None:
     tool = tool_id(call)
     x.tools.id = tool
     announce_outside(x, tool)
-    if x.setup.tool_synch != Synch.NO_SYNCH:
-        functions = Functions(x.source)
-        functions.add(TechnologyFunction(x.source, Technology.T, tool.basic, 0.0, x.setup.tool_synch))
-        for block in (*functions.leading(), *functions.trailing()):
-            x.emit(block)
+    functions = Functions(x.source)
+    put_out_tool(x, functions, tool.basic, tool.sister, tool.variant)
+    for block in (*functions.leading(), *functions.trailing()):
+        x.emit(block)
+    if functions.flush:
+        x.emit(Flush(x.source, FlushKind.WAIT))
 
 
 @statement(
