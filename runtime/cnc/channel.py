@@ -69,11 +69,22 @@ class Phase(Enum):
     CLEARING = auto()  # standing; waits until the preparation has stopped writing
 
 
+@dataclass(frozen=True, slots=True)
+class OperatorInfluence:
+    """How what operator and PLC do acts: behind M00, M01 and single block the axes have to be in their windows (P-CHAN-00173);
+    dwells are stretched by the feed override (P-CHAN-00353) and by the time override (P-CHAN-00111)."""
+
+    looks_at_axes: bool = True
+    feed_stretches_dwell: bool = False
+    time_stretches_dwell: bool = False
+
+
 @dataclass(slots=True)
 class ChannelInputs:
     """What the operator and the PLC want from the channel in this cycle."""
 
     override: float = 1.0
+    time_override: float = 1.0  # scales the time of the path, on top of the override
     feed_hold: bool = False
     axis_feed_hold: bool = False  # of an axis that takes part
     single_block: bool = False
@@ -101,8 +112,11 @@ class Channel:
         period: float,
         axes: npt.NDArray[np.int64],
         window: Floats,
+        influence: OperatorInfluence | None = None,
     ) -> None:
         self._axes = axes
+        self._influence = influence or OperatorInfluence()
+        self._asked_on = False  # the operator has said continue, and an axis is still on its way
         self._window = window
         self.queue = queue
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
@@ -143,7 +157,7 @@ class Channel:
         self.program = program
         self.program_ended = False
         self.error = None
-        self._told_failure = self._user_error_told = False
+        self._told_failure = self._user_error_told = self._asked_on = False
         self._traced_index = -1
         self.block_counter = 0
         self.actions.begin()
@@ -218,7 +232,8 @@ class Channel:
         index = self.interpolator.index
         if not self.active or index < self.queue.read:
             return 0.0
-        return float(self.queue.record(index)["feed"])
+        record = self.queue.record(index)
+        return float(record["f_word"] or record["feed"])
 
     # ------------------------------------------------------------------ the cycle
 
@@ -251,7 +266,7 @@ class Channel:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        override = 1.0 if self._override_off() else inputs.override
+        override = 1.0 if self._override_off() else inputs.override * inputs.time_override
         if override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
@@ -337,10 +352,7 @@ class Channel:
         if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
             if not path.at_gate:
                 return _NONE
-            if pressed:
-                path.open_gate()
-                return _NONE
-            return _SINGLE_BLOCK | _WAIT_CONTINUE
+            return self._go_on(pressed, _SINGLE_BLOCK | _WAIT_CONTINUE)
         if gate.reason is GateReason.WAIT:
             if not path.functions_before_gate and self.functions.passable(gate):
                 path.open_gate()
@@ -359,7 +371,7 @@ class Channel:
         if not path.at_gate:
             return _NONE
         if gate.reason is GateReason.DWELL:
-            return self._dwell(gate.seconds)
+            return self._dwell(gate.seconds, inputs)
         if gate.reason is GateReason.FLUSH:
             path.open_gate()
             return _NONE
@@ -376,15 +388,26 @@ class Channel:
             path.open_gate()
             self._clear()
             return _NONE
-        if pressed:
-            path.open_gate()
-            return _NONE
-        return _WAIT_CONTINUE
+        return self._go_on(pressed, _WAIT_CONTINUE)
 
-    def _dwell(self, seconds: float) -> int:
+    def _go_on(self, pressed: bool, waits: int) -> int:
+        """The operator says continue: the path goes on when the axes are in their windows. What it waits for until then."""
+        self._asked_on |= pressed
+        if not self._asked_on:
+            return waits
+        if self._influence.looks_at_axes and self._on_their_way():
+            return _EXACT_STOP
+        self._asked_on = False
+        self.interpolator.open_gate()
+        return _NONE
+
+    def _dwell(self, seconds: float, inputs: ChannelInputs) -> int:
         if self._dwell_left < 0.0:
             self._dwell_left = seconds
-        self._dwell_left -= self.period
+        share = inputs.override if self._influence.feed_stretches_dwell else 1.0
+        if self._influence.time_stretches_dwell:
+            share *= inputs.time_override
+        self._dwell_left -= self.period * share
         if self._dwell_left > 0.5 * self.period:
             return _DWELL
         self._dwell_left = -1.0

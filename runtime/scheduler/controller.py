@@ -22,7 +22,7 @@ from runtime.cnc.axes.supervision import (
     AxisFault,
     AxisSupervision,
 )
-from runtime.cnc.channel import Channel
+from runtime.cnc.channel import Channel, OperatorInfluence
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
@@ -95,6 +95,11 @@ class Controller:
             period,
             self._path_axes,
             np.array([axis.in_position for axis in path_axes]),
+            OperatorInfluence(
+                looks_at_axes=not described.parameters.suppress_ax_group_in_pos_check,
+                feed_stretches_dwell=described.parameters.feed_override_weight_dwell_time,
+                time_stretches_dwell=described.parameters.time_override_weight_dwell_time,
+            ),
         )
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)

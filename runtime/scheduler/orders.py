@@ -11,6 +11,7 @@ from runtime.diagnostics.errors import Problem
 from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.layout import Hli, Mode, State
 from runtime.hli.modes import Action, Refusal, Wish, next_step
+from runtime.hli.sampled_override import SampledOverride
 
 
 class Orders:
@@ -24,6 +25,7 @@ class Orders:
         self._path_commands = [self._axis_commands[machine.axis_index(name)] for name in described.axes]
         self._unit = hli.channels[0].control.mode_and_state
         self.inputs = ChannelInputs()
+        self._override = SampledOverride(described.parameters.override_delay * 1e-6, machine.cycle.period)
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.mode = Mode.STANDBY
         self.state = State.SELECTED
@@ -48,7 +50,8 @@ class Orders:
             self.drives_on[:] = [axis.drive_on for axis in self._axis_commands]
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs
-        inputs.override = commands.override
+        inputs.override = self._override.take(commands.override)
+        inputs.time_override = commands.time_override
         inputs.feed_hold = commands.feed_hold or self._hold
         inputs.single_block = commands.single_block
         inputs.optional_stop = commands.optional_stop

@@ -16,12 +16,13 @@ from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import CornerDecelerations, PumpState, QueueWriter, SoftwareLimits, SpatialArcs
-from runtime.cnc.path_preparation.weight_tables import path_weights
+from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
 from runtime.scheduler.outside import RunningMachine
+from runtime.scheduler.run_ahead import RunAhead
 
 BATCH = 256  # records between two looks at the link
 Source = Callable[[StartOrder, Outside], Iterator[Block]]
@@ -53,6 +54,7 @@ class Preparation:
         self._setup = DecoderSetup.from_machine(machine, channel)
         self._memory = ChannelMemory(self._setup, tools)
         self._machine, self._channel = machine, channel
+        self._run_ahead = RunAhead.of(machine.channels[channel].parameters)
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
         self._link = link
@@ -85,8 +87,10 @@ class Preparation:
             return PumpState.HELD if waits else PumpState.FINISHED
         if waits or self._link.reached < self._flushes:
             return PumpState.HELD if waits else PumpState.FLUSH
+        if self._run_ahead.reached(self._queue):
+            return PumpState.FULL
         try:
-            state = self._writer.pump(self._blocks, BATCH)
+            state = self._writer.pump(self._blocks, BATCH if self._run_ahead.unlimited else 1)
         except TandemError as error:
             self._fail(error)
             return PumpState.FINISHED
@@ -127,7 +131,7 @@ class Preparation:
             self._period,
             self._names,
             self._outside.error_texts.describe,
-            path_weights(self._machine, self._channel),
+            channel_dynamics(self._machine, self._channel),
         )
 
     def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:
