@@ -57,6 +57,7 @@ class RecordKind(IntEnum):
     GATE = 4  # the path stops here unless the gate has been opened
     BLOCK_END = 5  # the end of an NC block: a gate in single block
     ACTION = 6  # done by the cycle when the path arrives here
+    FUNCTION_AHEAD = 7  # technology function, put out some way or time before the path arrives here
 
 
 class GateReason(IntEnum):
@@ -106,7 +107,7 @@ RECORD = np.dtype(
         ("centre0", "f8"),
         ("centre1", "f8"),
         ("angle", "f8"),  # signed, radians
-        # FUNCTION
+        # FUNCTION, FUNCTION_AHEAD
         ("function", "i8"),  # runtime.cnc.blocks.Technology
         ("number", "i8"),
         ("synch", "i8"),
@@ -120,6 +121,9 @@ RECORD = np.dtype(
         ("text", "i8"),  # index into the texts, -1: none
         ("offset", "i8"),
         ("size", "i8"),
+        # FUNCTION, FUNCTION_AHEAD
+        ("area", "i8"),  # index of the axis on whose interface it is put out, -1: of the channel
+        ("lead", "f8"),  # how far ahead, mm or s
         # LINE, ARC, POLYNOMIAL
         ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
         ("limits", "i8"),  # number of the set of axis limits
@@ -142,7 +146,7 @@ Records = npt.NDArray[np.void]
 Floats = npt.NDArray[np.float64]
 Counters = npt.NDArray[np.int64]
 
-_HEAD = 64  # bytes: written, read, number of programs ever named
+_HEAD = 64  # bytes: written, read, number of programs ever named, functions to be put out ahead ever written
 _NAMES = PROGRAMS * PROGRAM_NAME
 
 
@@ -201,6 +205,7 @@ class MotionQueue:
         if tables is not None:
             self.polynomials[slot : slot + first] = tables[:first]
             self.polynomials[: count - first] = tables[first:count]
+        self.counters[3] += np.count_nonzero(records["kind"][:count] == RecordKind.FUNCTION_AHEAD)
         self.counters[0] = written + count
         return count
 
@@ -230,6 +235,11 @@ class MotionQueue:
     def kind(self, index: int) -> int:
         """RecordKind of the record of an absolute index, as a plain number."""
         return int(self._kinds[index % self.capacity])
+
+    @property
+    def functions_ahead(self) -> int:
+        """Functions to be put out ahead of their place that were ever written."""
+        return int(self.counters[3])
 
     def program_name(self, program: int) -> str:
         """The name behind a program id."""

@@ -15,8 +15,20 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
+<<<<<<< HEAD
 from runtime.cnc.path_preparation import CornerDecelerations, PumpState, QueueWriter, SoftwareLimits, SpatialArcs
 from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
+=======
+from runtime.cnc.path_preparation import (
+    CornerDecelerations,
+    LateSynchronisation,
+    PumpState,
+    QueueWriter,
+    SoftwareLimits,
+    SpatialArcs,
+)
+from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
+>>>>>>> main
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
@@ -53,6 +65,7 @@ class Preparation:
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
         self._memory = ChannelMemory(self._setup, tools)
+        self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
         self._run_ahead = RunAhead.of(machine.channels[channel].parameters)
         self._axis_limits = AxisLimits.of(axes)
@@ -120,8 +133,10 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = CornerDecelerations()(SpatialArcs()(source))
-        blocks = SoftwareLimits.of(self._machine, self._channel)(blocks)
+        blocks = source
+        limits = SoftwareLimits.of(self._machine, self._channel)
+        for stage in (self._late, SpatialArcs(), CornerDecelerations(), limits):
+            blocks = stage(blocks)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks

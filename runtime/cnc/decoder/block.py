@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from runtime.cnc.blocks import Block, DynamicsChange, Source, Stop
+from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, Stop
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
@@ -185,6 +185,8 @@ class WordBlocks:
             x.emit(Stop(x.source, kind))
         if motion or x.tools.moved:
             x.block_end()
+        if functions.flush:
+            x.emit(Flush(x.source, FlushKind.WAIT))
         if block.goto is not None:  # a call in the same block is executed before the program goes on there
             self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)
         for _, _, action in actions:

@@ -17,7 +17,6 @@ from runtime.cnc.tools.setup import ToolSetup
 from runtime.config.channel.dynamics import VectorParameters
 from runtime.config.channel.parameters import ChannelParameters, PathKind
 from runtime.config.channel.synchronisation import (
-    SYNCH_FLAGS,
     SYNCH_TYPES,
     SYNCH_VALUES,
     SynchCountError,
@@ -29,13 +28,12 @@ from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
 from runtime.hli.external import ExternalEntry, directory_of
+from runtime.hli.units import MICROSECOND
 
 ZERO_OFFSETS = range(53, 60)
 CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
 CYCLE_MEMORY = 8000  # bytes for V.CYC without P-CHAN-00418 (line 1313)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
-
-_SUPPORTED = (*SYNCH_TYPES, *SYNCH_FLAGS)
 
 
 class DecoderSetupError(TandemError):
@@ -45,7 +43,7 @@ class DecoderSetupError(TandemError):
 def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
     """A synchronisation type from names joined by "|" or a hexadecimal (or decimal) value.
 
-    Exactly one type is allowed, PLC_INFO beside it. DecoderSetupError names `parameter`.
+    Exactly one type is allowed, flags beside it. DecoderSetupError names `parameter`.
     """
     try:
         names = synch_names(text)
@@ -55,11 +53,9 @@ def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
         ) from None
     except SynchCountError:
         names = ()
-    if not names or any(name not in _SUPPORTED for name in names) or ("NOT_VALID" in names and len(names) > 1):
-        supported = ", ".join(_SUPPORTED)
-        raise DecoderSetupError(
-            catalogue.SYNCH_UNSUPPORTED, Place(), parameter=parameter, text=text, supported=supported
-        )
+    if not names or ("NOT_VALID" in names and len(names) > 1):
+        supported = ", ".join(SYNCH_TYPES)
+        raise DecoderSetupError(catalogue.SYNCH_NOT_ONE, Place(), parameter=parameter, text=text, supported=supported)
     if "NOT_VALID" in names:
         return Synch.NOT_VALID
     synch = Synch.NO_SYNCH
@@ -105,6 +101,13 @@ class DecoderSetup:
     zero_offsets: Mapping[int, Floats] = field(default_factory=dict)
     m_synch: Mapping[int, Synch] = field(default_factory=dict)
     h_synch: Mapping[int, Synch] = field(default_factory=dict)
+    m_ahead: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00070, 0.1 µm or µs
+    h_ahead: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00107
+    m_area: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00039: index among the axes of the machine
+    h_area: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00025
+    m_duration: Mapping[int, float] = field(default_factory=dict)  # P-CHAN-00040, s
+    h_duration: Mapping[int, float] = field(default_factory=dict)  # P-CHAN-00026, s
+    tool_duration: float = 0.0  # P-CHAN-00072, s
     tool_synch: Synch = Synch.NO_SYNCH
     tools: ToolSetup = field(default_factory=ToolSetup)
     program_paths: tuple[Path, ...] = ()
@@ -182,6 +185,13 @@ class DecoderSetup:
             zero_offsets=offsets,
             m_synch=_table(parameters.m_synch, "m_synch"),
             h_synch=_table(parameters.h_synch, "h_synch"),
+            m_ahead=parameters.m_pre_outp,
+            h_ahead=parameters.h_pre_outp,
+            m_area={n: machine.axis_index(name) for n, name in parameters.m_default_outp_ax_name.items() if name},
+            h_area={n: machine.axis_index(name) for n, name in parameters.h_default_outp_ax_name.items() if name},
+            m_duration={number: time * MICROSECOND for number, time in parameters.m_prozess_zeit.items()},
+            h_duration={number: time * MICROSECOND for number, time in parameters.h_prozess_zeit.items()},
+            tool_duration=parameters.tool.prozess_zeit * MICROSECOND,
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
             tools=ToolSetup.of(parameters, round(machine.tools.answer_timeout / machine.cycle.period)),
             program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),

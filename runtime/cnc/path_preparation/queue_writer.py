@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.blocks import (
+    AHEAD,
     Arc,
     AxisLimitChange,
     Block,
@@ -36,7 +37,6 @@ from runtime.cnc.blocks import (
     Source,
     Stop,
     StopKind,
-    Synch,
     TechnologyFunction,
     TimerAction,
     TimerCommand,
@@ -241,12 +241,13 @@ class QueueWriter:
             case Arc():
                 return self._arc(record, block)
             case TechnologyFunction():
-                record["kind"] = RecordKind.FUNCTION
+                record["kind"] = RecordKind.FUNCTION_AHEAD if block.synch & AHEAD else RecordKind.FUNCTION
                 record["function"], record["number"] = int(block.kind), block.number
                 record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
+                record["area"], record["lead"], record["seconds"] = block.area, block.lead, block.duration
             case Wait():
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
-                record["synch"] = int(Synch.MVS_SVS) if block.before else 0
+                record["synch"] = int(block.kinds)
             case Dwell():
                 record["kind"], record["reason"], record["seconds"] = RecordKind.GATE, GateReason.DWELL, block.seconds
             case ExactStop():

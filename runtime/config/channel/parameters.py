@@ -35,12 +35,18 @@ class ChannelSpindle(Model):
     m4_synch: str = "NO_SYNCH"  # P-CHAN-00047
     m5_synch: str = "NO_SYNCH"  # P-CHAN-00049
     m19_synch: str = "NO_SYNCH"  # P-CHAN-00043
+    s_prozess_zeit: int = 0  # P-CHAN-00080, µs
+    m3_prozess_zeit: int = 0  # P-CHAN-00044
+    m4_prozess_zeit: int = 0  # P-CHAN-00046
+    m5_prozess_zeit: int = 0  # P-CHAN-00048
+    m19_prozess_zeit: int = 0  # P-CHAN-00042
 
 
 class ChannelTool(Model):
     """`tool.*`."""
 
     synch: str = "NO_SYNCH"  # P-CHAN-00086
+    prozess_zeit: int = 0  # P-CHAN-00072, µs
     minimum_length: int = 0  # P-CHAN-00156, 0.1 µm; 0: not checked
     minimum_radius: int = 0  # P-CHAN-00157, 0.1 µm; 0: not checked
 
@@ -63,6 +69,7 @@ class ProgramStart(Model):
     feedrate: float = 0.0  # P-CHAN-00099, feed before the first F word; 0: the program has to give one
     feedrate_factor: float = 100.0  # P-CHAN-00108, unit of F: 100 is mm/min, 0.1 is m/min
     g_gruppe: dict[int, StartFunction] = Field(default_factory=dict)
+    late_sync_ready: bool = False  # P-CHAN-00033, the end of a program waits for late functions
     slope: SlopeAtStart = SlopeAtStart()
 
     @property
@@ -150,6 +157,16 @@ class ChannelParameters(Model):
     # technology functions
     m_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00041
     h_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00027
+    m_pre_outp: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00070, 0.1 µm, or µs for the MET types
+    h_pre_outp: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00107
+    m_default_outp_ax_name: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00039, name of an axis
+    h_default_outp_ax_name: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00025
+    m_prozess_zeit: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00040, µs
+    h_prozess_zeit: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00026, µs
+    m_h_pre_outp_time_calc_mode: bool = False  # P-CHAN-00209, both values take the slope of the axes into account
+    m_h_pre_outp_calc_value_to_go: bool = False  # P-CHAN-00212
+    m_h_pre_outp_nbr_block: int = 50  # P-CHAN-00274
+    pre_output_tolerance: int = 0  # P-CHAN-00760, 0.1 µm; 0: not checked
     tool: ChannelTool = ChannelTool()
     # tools
     flush: ChannelFlush = ChannelFlush()

@@ -8,10 +8,20 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from runtime.diagnostics.catalogue import configuration, fieldbus, language, machine, motion, plc, system, tools
+from runtime.diagnostics.catalogue import (
+    configuration,
+    fieldbus,
+    language,
+    machine,
+    motion,
+    plc,
+    system,
+    technology,
+    tools,
+)
 from runtime.diagnostics.errors import ErrorEntry
 
-_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine, tools)
+_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine, technology, tools)
 
 
 def _collect() -> dict[int, ErrorEntry]:

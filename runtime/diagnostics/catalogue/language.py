@@ -162,8 +162,10 @@ SPEED_NEGATIVE = ErrorEntry(300076, "spindle speed {value:.9g} is negative", rea
 SYNCH_UNKNOWN = ErrorEntry(
     300077, "{parameter}: {text!r} is not a synchronisation type", remedy="known are {known}, or a hexadecimal value"
 )
-SYNCH_UNSUPPORTED = ErrorEntry(
-    300078, "{parameter}: synchronisation type {text!r} is not supported yet", remedy="supported are {supported}"
+SYNCH_NOT_ONE = ErrorEntry(
+    300078,
+    "{parameter}: {text!r} is not one synchronisation type, with flags beside it or without",
+    remedy="types are {supported}",
 )
 SPINDLE_LOCKED = ErrorEntry(
     300079, "{word} is locked by synchronisation type NOT_VALID", remedy="configure its synchronisation type"
@@ -464,19 +466,6 @@ FUNCTION_NOT_CONFIGURED = ErrorEntry(
     "{name}: {letter}{number} is not configured",
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="give {letter}{number} a synchronisation type in the channel parameters",
-)
-PRE_OUTPUT = ErrorEntry(
-    300206,
-    "{name}: {letter}{number} is put out without a distance or time in front",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    source="programming manual line 21372",
-)
-PRE_OUTPUT_UNSUPPORTED = ErrorEntry(
-    300490,
-    "{name}: {letter}{number} would get synchronisation type {synch}, which is not supported yet",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="without an output ahead of the place, choose the type with {name}[{number}].SYNCH",
-    source="programming manual line 21370",
 )
 VERSION_FORM = ErrorEntry(
     22015,

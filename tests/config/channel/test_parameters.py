@@ -129,7 +129,7 @@ def test_limits_of_macros_can_be_raised() -> None:
 
 def test_what_has_no_effect_is_told_as_a_warning(tmp_path: Path) -> None:
     machine = machine_with_list(
-        tmp_path, "m_prozess_zeit[6] 500\n", "    parameters: {aep: {output_mode: 1}, prog_start.feedrate_factor: 0}\n"
+        tmp_path, "rpf_prozess_zeit 500\n", "    parameters: {aep: {output_mode: 1}, prog_start.feedrate_factor: 0}\n"
     )
     told = [(Path(warning.place.file).name, warning.place.line, warning.entry.id) for warning in machine.warnings]
     assert told == [("machine.yaml", 10, 302025), ("machine.yaml", 10, 302038), ("mill.lis", 1, 302025)]

@@ -18,6 +18,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_files,
     statements_messages,
     statements_positions,
+    statements_technology,
     statements_timers,
     statements_tools,
     statements_variables,
