@@ -15,10 +15,6 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-<<<<<<< HEAD
-from runtime.cnc.path_preparation import CornerDecelerations, PumpState, QueueWriter, SoftwareLimits, SpatialArcs
-from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
-=======
 from runtime.cnc.path_preparation import (
     CornerDecelerations,
     LateSynchronisation,
@@ -28,7 +24,6 @@ from runtime.cnc.path_preparation import (
     SpatialArcs,
 )
 from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
->>>>>>> main
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
