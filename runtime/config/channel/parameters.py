@@ -212,14 +212,14 @@ class ChannelParameters(Model):
     override_weight_prog_feed: int = 0  # P-CHAN-00066: 1 scales the programmed feed, 0 and 2 what the axes leave of it
     feed_override_weight_dwell_time: bool = False  # P-CHAN-00353, the feed override stretches dwells
     time_override_weight_dwell_time: bool = False  # P-CHAN-00111, the time override stretches dwells
-    suppress_ax_group_in_pos_check: bool = (
-        False  # P-CHAN-00173, M00, M01 and single block go on without looking at the axes
-    )
+    suppress_ax_group_in_pos_check: bool = False  # P-CHAN-00173, continue does not look at the axes
     disable_chamfers_roundings: bool = False  # P-CHAN-00273
     max_nc_blocks_ahead: int = 0  # P-CHAN-00216; 0: the decoder runs ahead as far as the queue has room
     max_motion_blocks_ahead: int = 0  # P-CHAN-00246
     max_time_ahead: float = 0.0  # P-CHAN-00269, µs
     dec_max_ahead_protected: str = "NONE"  # P-CHAN-00270: NONE or ACTIVE
+    # tool radius compensation
+    wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118
