@@ -134,6 +134,7 @@ class DecoderSetup:
     g_programs: Mapping[int, str] = field(default_factory=dict)  # P-CHAN-00160…00169, 00187: G number → file
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
+    reference_points: tuple[float, ...] = ()  # where homing finds them, mm or degrees, (n,)
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
     measuring_type: int = 1  # P-CHAN-00057
@@ -146,6 +147,8 @@ class DecoderSetup:
     no_corners: bool = False  # P-CHAN-00273: chamfers and roundings are refused
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
+    poly_jerk: int = 1  # P-CHAN-00110
+    contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
     radius_compensation: bool = True  # P-CHAN-00092
 
@@ -181,6 +184,7 @@ class DecoderSetup:
             ),
             axis_velocity=tuple(axis.velocity for axis in axes),
             position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
+            reference_points=tuple(axis.homing.position if axis.homing else 0.0 for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
             spindles=spindles,
             zero_offsets=offsets,
@@ -223,6 +227,8 @@ class DecoderSetup:
             no_corners=parameters.disable_chamfers_roundings,
             exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
+            poly_jerk=parameters.check_jerk_on_poly_path,
+            contouring_inch=bool(parameters.contouring_consider_inch),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,
