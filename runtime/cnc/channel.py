@@ -73,11 +73,22 @@ class Phase(Enum):
     CLEARING = auto()  # standing; waits until the preparation has stopped writing
 
 
+@dataclass(frozen=True, slots=True)
+class OperatorInfluence:
+    """How what operator and PLC do acts: behind M00, M01 and single block the axes have to be in their windows (P-CHAN-00173);
+    dwells are stretched by the feed override (P-CHAN-00353) and by the time override (P-CHAN-00111)."""
+
+    looks_at_axes: bool = True
+    feed_stretches_dwell: bool = False
+    time_stretches_dwell: bool = False
+
+
 @dataclass(slots=True)
 class ChannelInputs:
     """What the operator and the PLC want from the channel in this cycle."""
 
     override: float = 1.0
+    time_override: float = 1.0  # scales the time of the path, on top of the override
     feed_hold: bool = False
     axis_feed_hold: bool = False  # of an axis that takes part
     single_block: bool = False
@@ -114,8 +125,11 @@ class Channel:
         window: Floats,
         beside: BesidePath,
         stop_before: StopBefore,
+        influence: OperatorInfluence | None = None,
     ) -> None:
         self._axes = axes
+        self._influence = influence or OperatorInfluence()
+        self._asked_on = False  # the operator has said continue, and an axis is still on its way
         self._window = window
         self.beside = beside
         self.stop_before = stop_before
@@ -173,7 +187,7 @@ class Channel:
         self.locked = locked
         self.program_ended = False
         self.error = None
-        self._told_failure = self._user_error_told = self._came_to_end = False
+        self._told_failure = self._user_error_told = self._came_to_end = self._asked_on = False
         self._traced_index = -1
         self.block_counter = 0
         self.actions.begin()
@@ -256,7 +270,8 @@ class Channel:
         index = self.interpolator.index
         if not self.active or index < self.queue.read:
             return 0.0
-        return float(self.queue.record(index)["feed"])
+        record = self.queue.record(index)
+        return float(record["f_word"] or record["feed"])
 
     # ------------------------------------------------------------------ the cycle
 
@@ -290,7 +305,7 @@ class Channel:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        override = 1.0 if self._on(self._no_override) else inputs.override
+        override = 1.0 if self._on(self._no_override) else inputs.override * inputs.time_override
         if override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
@@ -402,10 +417,7 @@ class Channel:
                 return _NONE
             if not path.at_gate:
                 return _NONE
-            if pressed:
-                path.open_gate()
-                return _NONE
-            return _SINGLE_BLOCK | _WAIT_CONTINUE
+            return self._go_on(pressed, _SINGLE_BLOCK | _WAIT_CONTINUE)
         if gate.reason is GateReason.WAIT:
             if self.functions.passable(path.gate, gate):
                 path.open_gate()
@@ -424,7 +436,7 @@ class Channel:
         if not path.at_gate:
             return _NONE
         if gate.reason is GateReason.DWELL:
-            return self._dwell(gate.seconds)
+            return self._dwell(gate.seconds, inputs)
         if gate.reason is GateReason.FLUSH:
             path.open_gate()
             return _NONE
@@ -447,10 +459,18 @@ class Channel:
             self._came_to_end = True
             self._clear(drop=False)
             return _NONE
-        if pressed:
-            path.open_gate()
-            return _NONE
-        return _WAIT_CONTINUE
+        return self._go_on(pressed, _WAIT_CONTINUE)
+
+    def _go_on(self, pressed: bool, waits: int) -> int:
+        """The operator says continue: the path goes on when the axes are in their windows. What it waits for until then."""
+        self._asked_on |= pressed
+        if not self._asked_on:
+            return waits
+        if self._influence.looks_at_axes and self._on_their_way(self.beside.offset):
+            return _EXACT_STOP
+        self._asked_on = False
+        self.interpolator.open_gate()
+        return _NONE
 
     def _beside_path(self, gate: QueueRecord, pressed: bool) -> int:
         """Axes are moved by hand or homed while the path stands; then it goes on from where they are."""
@@ -473,10 +493,13 @@ class Channel:
         path.open_gate()
         return _NONE
 
-    def _dwell(self, seconds: float) -> int:
+    def _dwell(self, seconds: float, inputs: ChannelInputs) -> int:
         if self._dwell_left < 0.0:
             self._dwell_left = seconds
-        self._dwell_left -= self.period
+        share = inputs.override if self._influence.feed_stretches_dwell else 1.0
+        if self._influence.time_stretches_dwell:
+            share *= inputs.time_override
+        self._dwell_left -= self.period * share
         if self._dwell_left > 0.5 * self.period:
             return _DWELL
         self._dwell_left = -1.0

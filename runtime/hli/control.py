@@ -30,6 +30,7 @@ from runtime.hli.modes import Wish
 from runtime.hli.units import LENGTH
 
 FULL_OVERRIDE = 1000  # 0.1 %
+GREATEST_OVERRIDE = 2000  # 0.1 %
 
 
 def sample_bool(unit: BoolUnit, present: bool, operator: bool) -> bool:
@@ -179,6 +180,7 @@ class ChannelCommands:
         self.modes = ModeOrders(control.mode_and_state, operator)
         self.feed_hold = False
         self.override = 1.0  # share of the programmed feed
+        self.time_override = 1.0
         self.single_block = False
         self.optional_stop = False
         self.skip_levels = 0  # bit n-1 = level n
@@ -205,6 +207,11 @@ class ChannelCommands:
             override = FULL_OVERRIDE
         control.override.state_r = override
         self.override = override / FULL_OVERRIDE
+        time_override = min(sample_uns32(control.time_override, present, FULL_OVERRIDE), GREATEST_OVERRIDE)
+        if not sample_bool(control.time_override_valid, present, True):
+            time_override = FULL_OVERRIDE
+        control.time_override.state_r = time_override
+        self.time_override = time_override / FULL_OVERRIDE
         self.single_block = sample_bool(control.single_block, present, bool(operator.single_block_w))
         self.optional_stop = sample_bool(control.optional_stop, present, bool(operator.optional_stop_w))
         self.skip_levels = sample_uns32(control.program_block_ignore, present, int(operator.program_block_ignore_w))

@@ -643,6 +643,8 @@ class ChannelControl(c.Structure):
         ("feedhold", BoolUnit),
         ("override", Uns32Unit),  # 0.1 %
         ("override_valid", BoolUnit),
+        ("time_override", Uns32Unit),  # 0.1 %, scales the time of the path and, where configured, that of dwells
+        ("time_override_valid", BoolUnit),
         ("single_block", BoolUnit),
         ("continue_motion", BoolUnit),
         ("optional_stop", BoolUnit),

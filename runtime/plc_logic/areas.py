@@ -226,6 +226,7 @@ class ChannelPort(_Area):
 
     feed_hold = BoolCommand("feedhold", "Stop on the path, and go on when it is taken back.")
     override = PercentCommand("override", "Feed override, percent.")
+    time_override = PercentCommand("time_override", "Share of the time in which the path runs, percent; 200 at most.")
     single_block = BoolCommand("single_block", "Wait for continue_motion() after each block.")
     optional_stop = BoolCommand("optional_stop", "M01 stops.")
     machine_lock = BoolCommand("machine_lock", "From the next program start on no axis moves.")

@@ -24,7 +24,7 @@ from runtime.cnc.axes.supervision import (
     AxisSupervision,
 )
 from runtime.cnc.beside_path import BesidePath
-from runtime.cnc.channel import Channel
+from runtime.cnc.channel import Channel, OperatorInfluence
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
@@ -112,6 +112,11 @@ class Controller:
             np.array([axis.in_position for axis in path_axes]),
             self.beside,
             StopBefore(self.interpolator, path_axes, described.parameters.hli_input_disable_condition),
+            OperatorInfluence(
+                looks_at_axes=not described.parameters.suppress_ax_group_in_pos_check,
+                feed_stretches_dwell=described.parameters.feed_override_weight_dwell_time,
+                time_stretches_dwell=described.parameters.time_override_weight_dwell_time,
+            ),
         )
         self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)

@@ -12,6 +12,7 @@ from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.layout import Hli, Mode, State
 from runtime.hli.manual import ManualCommands
 from runtime.hli.modes import Action, Refusal, Wish, Work, next_step, work_of
+from runtime.hli.sampled_override import SampledOverride
 
 
 class Orders:
@@ -27,6 +28,7 @@ class Orders:
         n = len(self._path_commands)
         self.inputs = ChannelInputs(axis_holds=[False] * n, blocked=[0] * n, limits=[None] * n)
         self.manual = ManualCommands(hli.channels[0], hli.operator[0])
+        self._override = SampledOverride(described.parameters.override_delay * 1e-6, machine.cycle.period)
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.lag_monitored: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.park: npt.NDArray[np.bool_] = np.zeros(len(machine.axes), dtype=np.bool_)  # wanted
@@ -56,7 +58,8 @@ class Orders:
             self.park[:] = [axis.parked for axis in self._axis_commands]
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs
-        inputs.override = commands.override
+        inputs.override = self._override.take(commands.override)
+        inputs.time_override = commands.time_override
         inputs.feed_hold = commands.feed_hold or self._hold
         inputs.single_block = commands.single_block
         inputs.optional_stop = commands.optional_stop

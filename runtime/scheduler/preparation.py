@@ -17,7 +17,7 @@ from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
-from runtime.cnc.path_preparation.weight_tables import path_weights
+from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.stages import prepared
 from runtime.cnc.tools.table import ToolTable
@@ -25,6 +25,7 @@ from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
 from runtime.hli.layout import Mode
 from runtime.scheduler.outside import RunningMachine
+from runtime.scheduler.run_ahead import RunAhead
 
 BATCH = 256  # records between two looks at the link
 Source = Callable[[StartOrder, Outside], Iterator[Block]]
@@ -57,6 +58,7 @@ class Preparation:
         self._memory = ChannelMemory(self._setup, tools)
         self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
+        self._run_ahead = RunAhead.of(machine.channels[channel].parameters)
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
         self._link = link
@@ -90,8 +92,10 @@ class Preparation:
             return PumpState.HELD if waits else PumpState.FINISHED
         if waits or self._link.reached < self._flushes:
             return PumpState.HELD if waits else PumpState.FLUSH
+        if self._run_ahead.reached(self._queue):
+            return PumpState.FULL
         try:
-            state = self._writer.pump(self._blocks, BATCH)
+            state = self._writer.pump(self._blocks, BATCH if self._run_ahead.unlimited else 1)
         except TandemError as error:
             self._fail(error)
             return PumpState.FINISHED
@@ -139,7 +143,7 @@ class Preparation:
             self._period,
             self._names,
             self._outside.error_texts.describe,
-            path_weights(self._machine, self._channel),
+            channel_dynamics(self._machine, self._channel),
         )
 
     def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:

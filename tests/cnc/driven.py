@@ -9,7 +9,7 @@ import numpy as np
 from runtime.cnc.decoder import DecoderSetup
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.path_preparation import CornerDecelerations
-from runtime.cnc.path_preparation.weight_tables import PathWeights
+from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from tests.cnc.decoder.programs import SETUP, decode
 from tests.cnc.interpolator.driving import PERIOD, Drive, Floats, Schedule, always, drive, limits
 
@@ -71,7 +71,7 @@ def driven(
     text: str,
     axes: AxisLimits = LIMITS,
     setup: DecoderSetup = SETUP,
-    weights: PathWeights | None = None,
+    weights: ChannelDynamics | None = None,
     schedule: Schedule = always,
     most: int = 60_000,
 ) -> Driven:

@@ -7,13 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from runtime.cnc.dynamic_settings import DynamicSettings, MoveSettings, VectorLimits, WeightedPart
+from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics, WeightTable
 from runtime.cnc.path_preparation.dynamic_limits import DynamicLimits
-from runtime.cnc.path_preparation.weight_tables import PathWeights, WeightTable
 from tests.cnc.decoder.programs import SETUP
 from tests.cnc.driven import LIMITS, Driven, driven
-from tests.cnc.interpolator.driving import PERIOD, check_path_laws
+from tests.cnc.interpolator.driving import PERIOD, Order, check_path_laws
 
 V, A, J = 400.0, 2000.0, 40_000.0  # of every axis
 
@@ -220,8 +222,6 @@ def test_g901_does_not_pass_a_limit_of_the_path() -> None:
 
 @pytest.mark.spec(TRANSITION)
 def test_under_an_override_late_braking_begins_at_the_border_too() -> None:
-    from tests.cnc.interpolator.driving import Order
-
     run = driven("G901\nG01 X100 F4000\nX200 F1000", schedule=lambda _c, _i: Order(override=0.5))
     assert run.feed_at(100.0) == pytest.approx(2000.0, rel=1e-3)
     assert run.feed_at(104.0) == pytest.approx(500.0, rel=1e-3)
@@ -361,7 +361,7 @@ def test_limits_on_circles() -> None:
         run = driven(f"#VECTOR LIMIT ON [{limit}]\n{program}")
         assert run.feed_at(58.0) / 60.0 == pytest.approx(speed, rel=1e-3)
     limited = f"#VECTOR LIMIT ON [ACC={ACC}]\n{program}"
-    arc = [driven(limited, weights=PathWeights(limit_on_circles=on)).records("a_limit")[1] for on in (True, False)]
+    arc = [driven(limited, weights=ChannelDynamics(limit_on_circles=on)).records("a_limit")[1] for on in (True, False)]
     assert arc[0] == pytest.approx(500.0)
     assert arc[1] > 500.0
 
@@ -405,7 +405,7 @@ BY_RADIUS = WeightTable((5.0, 50.0), ((0.01, 0.5, 2.0), (2.0, 2.0, 1.0)))
 
 @pytest.mark.spec("chan.weight.path", "isg.add.dynamic-weight")
 def test_straight_moves_are_weighted_by_their_length() -> None:
-    weights = PathWeights(by_length=BY_LENGTH)
+    weights = ChannelDynamics(by_length=BY_LENGTH)
     program = "G00 X5\nG00 X15\nG00 X65\nG01 F30000 X70\nX120\nX320"
     chosen = replace(SETUP, dynamics=DynamicSettings(path_weights=3))
     run = driven(program, setup=chosen, weights=weights)
@@ -427,7 +427,7 @@ def test_straight_moves_are_weighted_by_their_length() -> None:
 
 @pytest.mark.spec("chan.weight.radius", "isg.add.dynamic-weight")
 def test_circles_are_weighted_by_their_radius() -> None:
-    weights = PathWeights(by_radius=BY_RADIUS)
+    weights = ChannelDynamics(by_radius=BY_RADIUS)
     chosen = replace(SETUP, dynamics=DynamicSettings(curve_weights=True))
     program = "F60000\nG02 X8 I4\nG02 X18 I5\nG01 X20"
     run = driven(program, setup=chosen, weights=weights)
@@ -457,8 +457,6 @@ def test_the_programmed_override() -> None:
 
 @pytest.mark.spec("isg.add.override")
 def test_operator_and_program_multiply() -> None:
-    from tests.cnc.interpolator.driving import Order
-
     run = driven("#OVERRIDE [FEED_FACT=50]\nG01 F6000 X100", schedule=lambda _c, _i: Order(override=0.5))
     assert run.feed_at(60.0) == pytest.approx(1500.0)
 
@@ -473,3 +471,53 @@ def test_limits_of_the_axes_hold_with_all_of_it() -> None:
     velocity, acceleration = run.axes
     assert (velocity <= LIMITS.velocity * [0.8, 0.5, 1.0] * 1.005).all()
     assert (acceleration <= LIMITS.acceleration * 1.3 + 2.0 * LIMITS.velocity_step / PERIOD).all()
+
+
+@pytest.mark.spec("isg.axis.override")
+def test_overrides_of_axes() -> None:
+    """The program of the manual (lines 30396–30415), shorter."""
+    run = driven(
+        "G01 X10 Y10 Z10 F6000\nX[OVERRIDE FEED_FACT=20 RAPID_FACT=60]\nN50 Y[OVERRIDE FEED_FACT=30 RAPID_FACT=70]\n"
+        "Z[OVERRIDE FEED_FACT=40 \\\nRAPID_FACT=80]\nG00 X0\nY0\nZ0\nG01 X10 F6000\nY10\nZ10\nX20 Y20\nX30 Y30 Z20\n"
+    )
+    feed, rapid = run.records("feed"), run.records("v_limit")
+    assert rapid[1:4] == pytest.approx([240.0, 280.0, 320.0])
+    assert [one * 60 for one in feed[4:]] == pytest.approx([1200, 1800, 2400, 1200, 1200])
+    (both,) = driven("#OVERRIDE [FEED_FACT=50]\nX[OVERRIDE FEED_FACT=20]\nG01 X1 F6000").records("feed")
+    assert both * 60 == pytest.approx(600)
+    (alone,) = driven("X[OVERRIDE FEED_FACT=20]\nG166 G01 X1 F6000").records("feed")
+    assert alone * 60 == pytest.approx(6000)
+
+
+@pytest.mark.spec("isg.g.velocity-weight-g127-g128", "isg.g.acceleration-weight")
+@settings(max_examples=12, deadline=None, derandomize=True)
+@given(
+    st.lists(st.sampled_from(["G128=60", "G127 X30", "G131=40", "G230 Y20", "G133=300", "G901", "#SLOPE [TYPE=SIN2]",
+                              "#VECTOR LIMIT ON [VEL=5000]", "G129=50", "#OVERRIDE [FEED_FACT=150]"]), max_size=4),
+    st.lists(st.tuples(st.integers(0, 2), st.integers(-20, 20), st.integers(-20, 20), st.integers(500, 20000)),
+             min_size=2, max_size=6),
+    st.lists(st.tuples(st.integers(5, 80), st.sampled_from([0.0, 0.3, 1.0, 2.0]), st.booleans()), min_size=1, max_size=12),
+)  # fmt: skip
+def test_weighted_limits_hold_under_any_override(
+    words: list[str], moves: list[tuple[int, int, int, int]], pattern: list[tuple[int, float, bool]]
+) -> None:
+    """Set-points of the axes, and the path in its own limits, whatever operator and program do together."""
+    lines = [
+        f"G0{kind} X{x} Y{y} F{f}" if kind < 2 else f"G02 X{x} Y{y} R{abs(x) + abs(y) + 30} F{f}"
+        for kind, x, y, f in moves
+    ]
+    orders = [Order(override, hold) for cycles, override, hold in pattern for _ in range(cycles)]
+
+    def schedule(cycle: int, _interpolator: object) -> Order:
+        return orders[cycle] if cycle < len(orders) else Order()
+
+    run = driven("\n".join([*words, *lines]), schedule=schedule)
+    check_path_laws(run.run)
+    share = np.ones(3)
+    for word in words:
+        if word == "G128=60":
+            share[:] = 0.6
+        elif word == "G127 X30":
+            share[0] = 0.3
+    velocity, _ = run.axes
+    assert (velocity <= LIMITS.velocity * share * 1.005).all()

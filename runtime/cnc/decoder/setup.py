@@ -144,6 +144,7 @@ class DecoderSetup:
     feed_group: FeedGroup = MAIN_GROUP  # P-CHAN-00011, P-CHAN-00096
     feed_axes_configured: bool = False
     exact_stop_after_rapid: bool = False  # P-CHAN-00235
+    no_corners: bool = False  # P-CHAN-00273: chamfers and roundings are refused
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
     poly_jerk: int = 1  # P-CHAN-00110
@@ -223,6 +224,7 @@ class DecoderSetup:
             vector_per_second=parameters.vector.per_second,
             feed_group=_feed_group(parameters, len(axes)),
             feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
+            no_corners=parameters.disable_chamfers_roundings,
             exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
             poly_jerk=parameters.check_jerk_on_poly_path,

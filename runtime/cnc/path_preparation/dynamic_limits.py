@@ -30,9 +30,9 @@ from runtime.cnc.dynamic_settings import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomials import MAIN_AXES, ROWS, WIDTH, polynomial_derivatives
+from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamics import TANGENTIAL, Border, Dynamics, arc_dynamics, line_dynamics
 from runtime.cnc.path_preparation.polynomial_dynamics import PLACES, polynomial_dynamics
-from runtime.cnc.path_preparation.weight_tables import PathWeights
 from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
@@ -141,10 +141,10 @@ class DynamicLimits:
     `limits`: of the axes, from the machine description; `period` of the cycle, s.
     """
 
-    def __init__(self, limits: AxisLimits, period: float, weights: PathWeights | None = None) -> None:
+    def __init__(self, limits: AxisLimits, period: float, weights: ChannelDynamics | None = None) -> None:
         self._machine = limits
         self._period = period
-        self._weights = weights or PathWeights()
+        self._weights = weights or ChannelDynamics()
         self._settings = USUAL
         self._kept: dict[tuple[bool, Factors], AxisLimits] = {}
         self._before: AxisLimits | None = None  # of the element before

@@ -55,11 +55,11 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomials import MAP
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.beside_path import PathShare, beside_path
+from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
 from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.path_preparation.polynomial_dynamics import fit
-from runtime.cnc.path_preparation.weight_tables import PathWeights
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP, POLYNOMIAL_GEOMETRY
 from runtime.diagnostics.errors import Place
 from runtime.hli.external import KINDS
@@ -134,12 +134,13 @@ class QueueWriter:
         period: float,
         names: tuple[str, ...] = (),
         error_text: Callable[[UserError], str] = described,
-        weights: PathWeights | None = None,
+        weights: ChannelDynamics | None = None,
     ) -> None:
         self.queue = queue
         self._error_text = error_text
         self._axes = limits.n
         self._limits = DynamicLimits(limits, period, weights)
+        self._override_of_limited = weights is not None and weights.override_of_limited
         self._left = PathShare(limits)
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
@@ -395,6 +396,10 @@ class QueueWriter:
         records["start"][there, :n] = starts
         records["end"][there, :n] = ends
         records["length"][there] = length
+        if self._override_of_limited:  # P-CHAN-00066: the override scales what is left of F
+            limit = limited.dynamics.v_limit
+            records["f_word"][there] = np.where(feed > limit, feed, 0.0)
+            feed = np.where(rapid, feed, np.minimum(feed, limit))
         records["feed"][there] = feed
         records["rapid"][there] = rapid
         records["v_limit"][there] = dynamics.v_limit * share

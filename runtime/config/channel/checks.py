@@ -38,6 +38,7 @@ def check(values: dict[Key, Value]) -> tuple[tuple[Contradiction, ...], tuple[Co
         *_macros(values),
         *_paths(values),
         *_weights(values),
+        *_run_ahead(values),
     )
     return mistakes, tuple(_feed_unit(values))
 
@@ -174,6 +175,14 @@ def _weights(values: _Values) -> Iterator[Contradiction]:
                 about = {"key": f"{group}[{index}].{limit}", "given": reached, "bound": f"it must be more than {below}"}
                 yield Contradiction(errors.OUT_OF_RANGE, (group, index, limit), about)
             below = reached or below
+
+
+def _run_ahead(values: _Values) -> Iterator[Contradiction]:
+    """The decoder is held back by one kind of limit only (manual line 6934)."""
+    kinds = ("max_nc_blocks_ahead", "max_motion_blocks_ahead", "max_time_ahead")
+    given = [name for name in kinds if values.get((name,))]
+    for name in given[1:]:
+        yield _other((name,), values[name,], f"the other limit that is given, {given[0]}", values[given[0],])
 
 
 def _given(values: _Values, group: Key, member: str) -> Key:

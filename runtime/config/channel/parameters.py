@@ -221,6 +221,16 @@ class ChannelParameters(Model):
     curve_dynamic_weighting_active: bool = False  # P-CHAN-00230
     curve_dynamic_weighting: dict[int, RadiusWeight] = Field(default_factory=dict)
     exact_stop_after_g00: bool = False  # P-CHAN-00235
+    override_delay: int = 10  # P-CHAN-00065, µs between two changes of the override, ten cycles at least
+    override_weight_prog_feed: int = 0  # P-CHAN-00066: 1 scales the programmed feed, 0 and 2 what the axes leave of it
+    feed_override_weight_dwell_time: bool = False  # P-CHAN-00353, the feed override stretches dwells
+    time_override_weight_dwell_time: bool = False  # P-CHAN-00111, the time override stretches dwells
+    suppress_ax_group_in_pos_check: bool = False  # P-CHAN-00173, continue does not look at the axes
+    disable_chamfers_roundings: bool = False  # P-CHAN-00273
+    max_nc_blocks_ahead: int = 0  # P-CHAN-00216; 0: the decoder runs ahead as far as the queue has room
+    max_motion_blocks_ahead: int = 0  # P-CHAN-00246
+    max_time_ahead: float = 0.0  # P-CHAN-00269, µs
+    dec_max_ahead_protected: str = "NONE"  # P-CHAN-00270: NONE or ACTIVE
     # tool radius compensation
     wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # smoothing

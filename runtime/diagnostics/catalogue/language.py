@@ -980,3 +980,8 @@ FEED_GROUP_DEFAULT = ErrorEntry(
 RADIUS_NEGATIVE = ErrorEntry(
     300609, "RMIN={value:.9g}: a radius of 0 or more is expected", reaction=Reaction.STOP_AT_BLOCK_END
 )
+CORNERS_OFF = ErrorEntry(
+    300610,
+    "G{number}: chamfers and roundings are switched off (disable_chamfers_roundings, P-CHAN-00273)",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)

@@ -209,3 +209,24 @@ def test_end_feeds_and_feed_changes_count_for_the_feed_axes_too() -> None:
 )
 def test_feed_axes_that_are_not_understood(text: str) -> None:
     assert len(list(found(text))) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "entry"),
+    [
+        ("X[OVERRIDE FEED_FACT=0]", catalogue.OVERRIDE_RANGE),
+        ("X[OVERRIDE RAPID_FACT=500]", catalogue.OVERRIDE_RANGE),
+        ("Q[OVERRIDE FEED_FACT=50]", catalogue.AXIS_UNKNOWN),
+        ("X[OVERRIDE FEED_FACT=50", catalogue.BRACKET_OPEN),
+        ("X[OVERRIDE FEED_FACT=50] Y1", catalogue.STATEMENT_ARGUMENTS),
+    ],
+)
+def test_wrong_overrides_of_axes(text: str, entry: ErrorEntry) -> None:
+    assert [e for e, _, _ in found(text)] == [entry]
+
+
+@pytest.mark.spec("chan.ahead.no-chamfers")
+@pytest.mark.parametrize("text", ["G01 F100 X5 G301=1\nY5", "G01 F100 X5\nG302 I1\nY5"])
+def test_chamfers_and_roundings_can_be_switched_off(text: str) -> None:
+    assert not list(found(text))
+    assert [e for e, _, _ in found(text, replace(SETUP, no_corners=True))] == [catalogue.CORNERS_OFF]

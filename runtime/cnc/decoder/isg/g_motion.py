@@ -8,7 +8,9 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, StatementCall, g_function, statement
 from runtime.cnc.decoder.modal import Motion
 from runtime.cnc.decoder.motion import dwell_time
+from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.syntax import Form, Group, Values
+from runtime.diagnostics.catalogue import language as catalogue
 
 _EXACT_STOP = "isg.g.exact-stop"
 _CENTRE = "isg.g.circular-centre-g02-g03"
@@ -112,6 +114,8 @@ def _corner(number: int, kind: CornerKind) -> None:
     )
     def request(x: Execution, call: GCall) -> None:
         """As a block of its own between two motions, or with a value in the block of the first one (see additions)."""
+        if x.setup.no_corners:
+            raise LineError(catalogue.CORNERS_OFF, call.column, number=number)
         if call.value is None:
             corner_block(x, kind, call.column)
 

@@ -12,7 +12,7 @@ from runtime.cnc.decoder.dynamics import change_dynamics, set_dynamics
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.decoder.modal import INCH
-from runtime.cnc.dynamic_settings import Slope, VectorLimits
+from runtime.cnc.dynamic_settings import Slope, VectorLimits, with_share
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
 from runtime.diagnostics.catalogue import language as catalogue
 
@@ -213,6 +213,30 @@ def override(x: Execution, call: StatementCall) -> None:
             settings = settings.with_moves(
                 rapid, replace(settings.of(rapid), override=override_share(call, key, value))
             )
+    set_dynamics(x, settings)
+
+
+@statement(
+    "AXIS OVERRIDE",
+    "isg.axis.override",
+    syntax="<axis>[OVERRIDE FEED_FACT=.. RAPID_FACT=..]",
+    form=Form.KEYS,
+    keys=(Key("FEED_FACT"), Key("RAPID_FACT")),
+    prefix="",
+    continued=True,
+)
+def axis_override(x: Execution, call: StatementCall) -> None:
+    """Of the moves in which the axis takes part; the least of several counts."""
+    argument = call.argument("AX")
+    assert argument is not None
+    settings = x.dynamics
+    for key, rapid in (("FEED_FACT", False), ("RAPID_FACT", True)):
+        value = call.number(key)
+        if value is not None:
+            held = settings.of(rapid)
+            chosen = {argument.index: override_share(call, key, value)}
+            shares = with_share(held.axis_override, len(x.setup.axes), chosen)
+            settings = settings.with_moves(rapid, replace(held, axis_override=shares))
     set_dynamics(x, settings)
 
 

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
 _WORD = re.compile(r"[A-Za-z_]+[A-Za-z0-9_.]*")
 _START = re.compile(
-    r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(#)|((?<![A-Za-z0-9_.])LL?[ \t]+(?:CYCLE|SEQUENCE)(?=[ \t]*\[))", re.IGNORECASE
+    r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(#)|((?<![A-Za-z0-9_.])LL?[ \t]+(?:CYCLE|SEQUENCE)(?=[ \t]*\[))"
+    r"|((?<![\w.@#$])[A-CQU-Z]\w*[ \t]*\[[ \t]*OVERRIDE[ \t]+(?=FEED_FACT|RAPID_FACT))",
+    re.IGNORECASE,
 )
 _ADDED = r"ADD|SUPPRESS[ \t]+OFFSETS"  # the statements that may stand beside other words
 _INLINE = re.compile(rf"#(?:{'|'.join(ADDITIONS)}|{_ADDED})(?![A-Za-z0-9_])", re.IGNORECASE)
@@ -33,10 +35,12 @@ _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
 class StatementStart(NamedTuple):
-    """Where a statement begins in the text of its block (from 0), and whether it is one with #."""
+    """Where a statement begins in the text of its block (from 0), and whether it is one with #; behind the name of an axis,
+    where its keys begin."""
 
     start: int
     hash: bool
+    keys: int = 0
 
 
 class Beside(NamedTuple):
@@ -52,6 +56,8 @@ def statement_at(text: str) -> StatementStart | None:
     for match in _START.finditer(text):
         if match.group(2):
             return StatementStart(match.start(), False)
+        if match.group(3):
+            return StatementStart(match.start(), False, match.end())
         if not match.group(1):
             continue  # a quoted text
         inline = _INLINE.match(text, match.start())
@@ -86,11 +92,32 @@ class StatementParser:
 
     def parse(self, text: str, at: StatementStart) -> ParsedStatement:
         """The statement that begins at `at`; `text` ends with the block."""
+        if at.keys:
+            return self._of_axis(text, at)
         syntax, end = self._named(text, at)
         arguments: tuple[Argument, ...] = ()
         rest = text[end:].strip()
         if rest or not syntax.optional:
             arguments = tuple(self._arguments(syntax, text, end))
+        self._check(syntax, arguments, at.start + 1)
+        return ParsedStatement(syntax, at.start + 1, arguments)
+
+    def _of_axis(self, text: str, at: StatementStart) -> ParsedStatement:
+        """<axis>[OVERRIDE ...] (programming manual 30364)."""
+        syntax = self._statements["AXIS OVERRIDE"]
+        opening = text.index("[", at.start)
+        name = text[at.start : opening].strip()
+        axis = self._blocks.addresses.axis(name)
+        if axis < 0:
+            axes = ", ".join(self._blocks.addresses.axes)
+            raise LineError(catalogue.AXIS_UNKNOWN, at.start + 1, axis=name, axes=axes)
+        end = _closing(text, opening)
+        if end < 0:
+            raise LineError(catalogue.BRACKET_OPEN, opening + 1)
+        if text[end + 1 :].strip():
+            raise self._not_understood(syntax, text, end + 1)
+        keys = tuple(self._keys(syntax, text, at.keys, end))
+        arguments = (Argument("AX", at.start + 1, text=name, index=axis), *keys)
         self._check(syntax, arguments, at.start + 1)
         return ParsedStatement(syntax, at.start + 1, arguments)
 

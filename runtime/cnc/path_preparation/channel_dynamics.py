@@ -1,4 +1,4 @@
-"""The weights that channel parameters give by path length and by radius (channel parameters 6302–6531)."""
+"""What channel parameters say of the dynamics of the path: weights by path length and by radius (6302–6531), override."""
 
 from __future__ import annotations
 
@@ -46,19 +46,22 @@ class WeightTable:
 
 
 @dataclass(frozen=True, slots=True)
-class PathWeights:
-    """Both tables of a channel, and whether a limit of the path acceleration acts on circles too (P-CHAN-00350)."""
+class ChannelDynamics:
+    """What channel parameters say of the dynamics: both tables, whether a limit of the path acceleration acts on circles too
+    (P-CHAN-00350), and whether the override scales what the axes leave of a feed, not the feed itself (P-CHAN-00066)."""
 
     by_length: WeightTable = WeightTable()
     by_radius: WeightTable = WeightTable()
     limit_on_circles: bool = False
+    override_of_limited: bool = False
 
 
-def path_weights(machine: Machine, channel: int = 0) -> PathWeights:
+def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
     """The tables of a channel of the machine."""
     parameters = machine.channels[channel].parameters
-    return PathWeights(
+    return ChannelDynamics(
         WeightTable.of(parameters.dynamic_weighting),
         WeightTable.of(parameters.curve_dynamic_weighting),
         parameters.vector.cir_radial_acc_limit,
+        parameters.override_weight_prog_feed != 1,
     )
