@@ -29,6 +29,7 @@ from runtime.cnc.decoder import (
 )
 from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
+from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.cnc.tools.table import MemoryTools
 from runtime.cnc.tools.tool import Tool
 from runtime.config.loader import load_machine
@@ -94,11 +95,11 @@ def check(
         memory = ChannelMemory(setup, MemoryTools(tools))
         start = limits.nearest(np.zeros(len(setup.axes)))
         decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
-        for _ in limits(SpatialArcs()(decoder.blocks())):
+        for _ in limits(SpatialArcs()(ToolRadiusCompensation()(decoder.blocks()))):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break
-    except SoftwareLimitError as error:
+    except (SoftwareLimitError, CompensationError) as error:
         assert program is not None
         return (located(program, error.problem),), (*warnings, *(decoder.warnings if decoder else ()))
     except ProgramError as error:

@@ -306,6 +306,67 @@ class SoftwareLimitChange:
     limits: tuple[tuple[float, float], ...]
 
 
+class Approach(IntEnum):
+    """How radius compensation begins and ends, by its G function."""
+
+    TANGENTIAL = 5
+    DIRECT = 138
+    INDIRECT = 139
+    ON_PATH = 236
+    PERPENDICULAR = 237
+    INSIDE_CORNER = 238
+    WITHOUT_BLOCK = 239
+
+
+@dataclass(frozen=True, slots=True)
+class Segments:
+    """#TRC SPLIT: the approach (`pre`) and the exit (`post`) run in segments of their own feed; (mm, mm/min) each.
+
+    `axis` is the index of the axis along which the lengths are measured, None for the path.
+    """
+
+    pre: bool
+    post: bool
+    axis: int | None
+    first: tuple[float, float]
+    second: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CompensationSettings:
+    """What G functions and #TRC choose for radius compensation; the defaults are the initial state of a program."""
+
+    circular: bool = False  # G26: arcs around outside corners
+    adapt_feed: bool = False  # G11: F counts at the cutting edge
+    masking: bool = False  # G141
+    convert_arcs: bool = False  # CONV_CIR_TO_LIN
+    kerf_masking: bool = False
+    reverse: bool = False
+    ignore_damage: bool = False  # IGNORE_CONT_DAMAGE
+    remove_masked: bool = False  # REMOVE_MASKED_BLOCKS
+    extended_limit: bool = False  # EXT_ANGLE_BLOCK_INTERSECTION
+    stretch: float = 1.0  # STRETCH_FACTOR, radii
+    perpendicular_change: bool = False  # PERPENDICULAR_RADIUS_CHANGE
+    line_on_path: bool = False  # G236_LIN
+    suppress: bool = False  # SUPPRESS_TRC
+    segments: Segments | None = None  # SPLIT, SPLIT_PATH
+
+
+@dataclass(frozen=True, slots=True)
+class RadiusCompensation:
+    """G40, G41, G42 and everything that changes while they hold: what is valid from here on.
+
+    `side` is +1 where the tool runs left of the contour on the machine, -1 right of it, 0 on it. Taken by the stage of radius
+    compensation; it does not reach the queue.
+    """
+
+    source: Source
+    side: int
+    approach: Approach
+    plane: tuple[int, int]
+    settings: CompensationSettings = CompensationSettings()
+
+
 @dataclass(frozen=True, slots=True)
 class DynamicsChange:
     """Other dynamic settings from here on; at program start those of the channel hold. It does not reach the queue."""
@@ -503,6 +564,7 @@ Block = (
     | BlockEnd
     | SoftwareLimitChange
     | DynamicsChange
+    | RadiusCompensation
     | ToolRadius
     | AxisLimitChange
     | Flush

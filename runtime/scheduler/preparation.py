@@ -26,6 +26,7 @@ from runtime.cnc.path_preparation import (
 )
 from runtime.cnc.path_preparation.weight_tables import path_weights
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
+from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -136,7 +137,7 @@ class Preparation:
             return
         blocks = source
         limits = SoftwareLimits.of(self._machine, self._channel)
-        for stage in (self._late, SpatialArcs(), CornerDecelerations(), limits):
+        for stage in (self._late, ToolRadiusCompensation(), SpatialArcs(), CornerDecelerations(), limits):
             blocks = stage(blocks)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))

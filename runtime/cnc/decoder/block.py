@@ -22,6 +22,7 @@ from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
 from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
+from runtime.cnc.decoder.radius_compensation import FORBIDDEN_G, expect_none, forbids
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
@@ -120,6 +121,8 @@ class WordBlocks:
         if block.statement is not None:
             slots = block.statement
             x.levels.entered = False
+            if forbids(slots.statement.syntax.name):
+                expect_none(x, "#" + slots.statement.syntax.name, slots.statement.column)
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
             if x.again is None:
                 if block.beside is not None:
@@ -137,7 +140,7 @@ class WordBlocks:
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
-        x.exact_stop = 0
+        x.exact_stop = x.compensation.tangential = 0
         x.feed_taken = x.override_off = x.brake_in_front = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
@@ -152,6 +155,8 @@ class WordBlocks:
             if before:
                 STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
         for call in calls:
+            if call.number in FORBIDDEN_G:
+                expect_none(x, f"G{call.number}", call.column)
             if not G_FUNCTIONS[call.number].last:
                 G_FUNCTIONS[call.number].handler(x, call)
         if block.radius >= 0 and not x.radius_taken:
@@ -166,6 +171,7 @@ class WordBlocks:
         self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values, calls: list[GCall]
     ) -> None:
         x = self._x
+        x.compensation.follow(x)
         functions = functions_of(block, values, x)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         for before in functions.leading():

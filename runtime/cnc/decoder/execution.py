@@ -27,6 +27,7 @@ from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Motion, Plane
 from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.steps import Steps
@@ -154,6 +155,7 @@ class Execution:
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.last_rotation: Rotation | None = None  # what #ROTATION ON goes on from
         self.contour_lines = ContourLines()
+        self.compensation = Compensation()
         self.waiting_line: WaitingLine | None = None  # what `line_waits` tells of
         self.file_names: dict[str, str] = {}  # of #FILE NAME, by function: MSG, M6, D, G80 …
         self.report_backups = Backups()
@@ -176,6 +178,8 @@ class Execution:
         """Hand over a block, behind the moves that were collected before it."""
         if self._run_feeds:
             self.flush_run()
+        if self.compensation.watches:
+            self.compensation.note(self, block)
         self.out.append(block)
 
     def block_end(self) -> None:
@@ -283,6 +287,7 @@ class Execution:
             and not self.line_waits
             and self.path_start is None
             and not self.modal.exact_stop
+            and not self.compensation.watches
         )
 
     def take_path_start(self) -> list[float]:

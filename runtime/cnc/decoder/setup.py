@@ -147,6 +147,7 @@ class DecoderSetup:
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
     limits: Limits = Limits()
+    radius_compensation: bool = True  # P-CHAN-00092
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -236,6 +237,7 @@ class DecoderSetup:
                 )
             ),
             hide_cycles=bool(parameters.suppress_cycle_logging),
+            radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,
         )
 
     @property

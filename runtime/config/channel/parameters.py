@@ -217,6 +217,8 @@ class ChannelParameters(Model):
     curve_dynamic_weighting_active: bool = False  # P-CHAN-00230
     curve_dynamic_weighting: dict[int, RadiusWeight] = Field(default_factory=dict)
     exact_stop_after_g00: bool = False  # P-CHAN-00235
+    # tool radius compensation
+    wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118

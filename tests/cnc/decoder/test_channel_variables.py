@@ -171,7 +171,6 @@ def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
         ("HSC_ACTIVE", ("#HSC ON", "#SPLINE ON", "#SET SPLINE ON", "G151")),
         ("HSC_SURFACE_ACTIVE", ("#HSC [SURFACE]",)),
         ("CONT_MODE_ACTIVE", ("G261", "G61 X1")),
-        ("TRC_ACTIVE", ("G41", "G42")),
         ("OTC_ACTIVE", ("#OTC ON",)),
         ("CAXTRACK_ACTIVE", ("#CAXTRACK ON",)),
         ("LIFT_ACTIVE", ("G00 Z[LIFT POS=25]",)),
