@@ -86,6 +86,7 @@ class ActionKind(IntEnum):
     TIMER = 1
     EXTERNAL = 2  # an external variable gets its value
     WARNING = 3  # #ERROR without consequences
+    TOOL_LIFE = 4
     MANUAL_ON = 20  # G201
     MANUAL_PARAMETER = 21
 

@@ -39,6 +39,7 @@ EXTERNAL_BYTES = 65536  # area of the external variables
 EXTERNAL_NAMES = 1024  # external variables and elements of structures with a name
 EXTERNAL_PATH = 96
 EXTERNAL_INDICES = 6
+JOBS = 16  # axis jobs whose state is still told
 MAGIC = 0x314D444E4154  # "TANDM1"
 VERSION = "1.0"  # of the layout; its hash tells every other difference
 
@@ -122,6 +123,70 @@ class AxisState(IntEnum):
     ACTIVE = 3
     HOLD = 5  # also: tracking, or the drive is not enabled
     ERROR = 7
+
+
+class AxisFunction(IntEnum):
+    """Jobs of an axis: the motion blocks of PLCopen part 1."""
+
+    STOP = 1
+    HALT = 2
+    MOVE_ABSOLUTE = 3
+    MOVE_RELATIVE = 4
+    MOVE_ADDITIVE = 5
+    MOVE_SUPERIMPOSED = 6
+    MOVE_VELOCITY = 7
+    GEAR_IN = 8
+    GEAR_OUT = 9
+    PHASING = 10
+    TOUCH_PROBE = 11
+    ABORT_TRIGGER = 12
+    HOME = 13
+    RESET = 14
+
+
+class BufferMode(IntEnum):
+    """When a job begins that finds another one (mcBufferMode of PLCopen)."""
+
+    ABORTING = 0
+    BUFFERED = 1
+    BLENDING_LOW = 2
+    BLENDING_PREVIOUS = 3
+    BLENDING_NEXT = 4
+    BLENDING_HIGH = 5
+
+
+class Direction(IntEnum):
+    """Way of an absolute motion, and sense of an endless one."""
+
+    POSITIVE = 1
+    SHORTEST = 2
+    NEGATIVE = 3
+    CURRENT = 4
+
+
+class JobState(IntEnum):
+    """What became of a job."""
+
+    NONE = 0
+    BUSY = 1  # taken, another one is still before it
+    ACTIVE = 2
+    REACHED = 3  # goes on, and has its velocity or its gear
+    DONE = 4
+    ABORTED = 5  # by another job
+    ERROR = 6
+
+
+class MotionState(IntEnum):
+    """State of an axis in the state diagram of PLCopen part 1."""
+
+    DISABLED = 0
+    STANDSTILL = 1
+    HOMING = 2
+    STOPPING = 3
+    DISCRETE_MOTION = 4
+    CONTINUOUS_MOTION = 5
+    SYNCHRONIZED_MOTION = 6
+    ERROR_STOP = 7
 
 
 # --------------------------------------------------------------------------------------------- control units
@@ -644,6 +709,54 @@ class Channel(c.Structure):
     ]
 
 
+class AxisJob(c.Structure):
+    """A job for one axis; what a function does not need is 0. Dynamics of 0 or less are those of the axis."""
+
+    _fields_ = [
+        ("number", c.c_uint32),  # counts the PLC's jobs of the axis from 1; its state stands at number % JOBS
+        ("function", c.c_uint16),  # AxisFunction
+        ("buffer_mode", c.c_uint16),
+        ("direction", c.c_uint16),
+        ("mode", c.c_uint16),  # gear: 0 command values, 128 actual values; probe: 1 falling, 2 rising edge
+        ("master", c.c_uint16),  # logical axis number; probe: number of the input, from 1
+        ("position", c.c_int64),  # 0.1 µm: position, distance or phase
+        ("velocity", c.c_int64),  # 1 µm/s
+        ("acceleration", c.c_double),  # mm/s² or degrees/s²
+        ("deceleration", c.c_double),
+        ("jerk", c.c_double),  # mm/s³ or degrees/s³
+        ("numerator", c.c_double),  # gear: velocity of the slave = that of the master * numerator / denominator
+        ("denominator", c.c_double),
+    ]
+
+
+class JobAnswer(c.Structure):
+    """What became of a job; `number_r` is written last."""
+
+    _fields_ = [
+        ("state_r", c.c_uint32),  # JobState
+        ("error_r", c.c_uint32),  # id of the error, 0 none
+        ("position_r", c.c_int64),  # 0.1 µm: recorded by the probe
+        ("number_r", c.c_uint32),
+    ]
+
+
+class AxisJobUnit(c.Structure):
+    """The slot for jobs of an axis, one per PLC cycle: the PLC fills it and raises the flag, the CNC takes and lowers it.
+
+    Only a stop may overwrite what waits. `stop_hold_w`: the axis stays in the state Stopping.
+    """
+
+    _fields_ = [
+        ("command_w", AxisJob),
+        ("command_semaphor_rw", c.c_bool),
+        ("stop_hold_w", c.c_bool),
+        ("motion_state_r", c.c_uint32),  # MotionState
+        ("error_id_r", c.c_uint32),  # why the axis is in ErrorStop, 0 it is not
+        ("commands_taken_r", c.c_uint32),
+        ("answers_r", JobAnswer * JOBS),
+    ]
+
+
 class AxisControl(c.Structure):
     """Control units of an axis.
 
@@ -715,6 +828,7 @@ class Axis(c.Structure):
         ("control", AxisControl),
         ("status", AxisStatus),
         ("spindle", SpindleStatus),
+        ("job", AxisJobUnit),
         ("lc_reset", LcUnit),
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),

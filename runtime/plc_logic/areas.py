@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from runtime.hli.axis_jobs import JobGiver
 from runtime.hli.layout import (
     KEYS,
     MAX_AXES,
@@ -21,6 +22,7 @@ from runtime.hli.layout import (
     ManualControl,
     ManualMode,
     Mode,
+    MotionState,
     Sgn32Unit,
     State,
     StopCondition,
@@ -61,6 +63,7 @@ class _Command:
 # Members by their numbers: making one from a number costs ten times as much as looking it up.
 _MODES = {int(mode): mode for mode in Mode}
 _STATES = {int(state): state for state in State}
+_MOTION_STATES = {int(state): state for state in MotionState}
 _RUNS = (int(State.ACTIVE), int(State.HOLD))
 _AXIS_STATES = {0: AxisState.HOLD} | {int(state): state for state in AxisState}
 
@@ -445,6 +448,7 @@ class AxisPort(_Area):
         self._axis = axis
         self._status = axis.status
         self._reset = _OneShot(axis.control.reset)
+        self.jobs = JobGiver(axis)  # of the motion blocks
         self.name = get_text(axis, "name_r")
 
     def reset(self) -> None:
@@ -454,6 +458,29 @@ class AxisPort(_Area):
     @property
     def state(self) -> AxisState:
         return _AXIS_STATES[self._status.axis_state_r]
+
+    @property
+    def motion_state(self) -> MotionState:
+        """State in the diagram of PLCopen."""
+        return _MOTION_STATES[self._axis.job.motion_state_r]
+
+    @property
+    def error_id(self) -> int:
+        """Why the axis is in ErrorStop, 0 it is not."""
+        value: int = self._axis.job.error_id_r
+        return value
+
+    @property
+    def enabled(self) -> bool:
+        """The drive takes set-points."""
+        value: bool = self._status.ready_for_control_loop_on_r
+        return value
+
+    @property
+    def number(self) -> int:
+        """Logical axis number."""
+        value: int = self._axis.log_ax_n_r
+        return value
 
     @property
     def position(self) -> float:

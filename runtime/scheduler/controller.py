@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.axes.job_slots import MachineJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.axes.supervision import (
     FAULT_DRIVE,
@@ -31,6 +32,7 @@ from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologySettings
 from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import axis_jobs
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
@@ -111,11 +113,13 @@ class Controller:
             self.beside,
             StopBefore(self.interpolator, path_axes, described.parameters.hli_input_disable_condition),
         )
+        self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
         self.beside.commands = self.orders.manual
         self.supervision.lag_monitored = self.orders.lag_monitored
+        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list)
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
@@ -174,6 +178,16 @@ class Controller:
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
+        self.jobs.step(
+            enabled,
+            self.channel.active,
+            self.supervision.faults,
+            self.supervision.in_position,
+            self.orders.axis_commands,
+        )
+        while self.jobs.problems:
+            axis, problem = self.jobs.problems.pop()
+            self.alarm(problem, axis)
         if self.channel.problems:
             for problem in self._take_problems():
                 self.alarm(problem)
@@ -355,6 +369,9 @@ class Controller:
             for i, referenced in zip(self._path_list, self.beside.referenced, strict=True):
                 if not referenced and not self.parked[i]:
                     return Problem(alarms.NOT_REFERENCED, {"axis": self.machine.axes[i].name})
+        moved = self.jobs.moved_path_axis()
+        if moved is not None:
+            return Problem(axis_jobs.JOB_RUNS, {"axis": self.machine.axes[moved].name})
         return None
 
     def alarm(self, problem: Problem, axis: int = -1) -> int:
@@ -365,14 +382,17 @@ class Controller:
     def _react(self, entry: ErrorEntry) -> None:
         if entry.reaction is Reaction.QUICK_STOP:
             self.supervision.quick_stop()
+            self.jobs.let_go()
             self.channel.fail(entry)
             self.channel.abort_at_once(self.drives.image.actual_position[self._path_axes].copy())
         elif entry.reaction in (Reaction.STOP_ON_PATH, Reaction.STOP_AT_BLOCK_END):
             self.channel.fail(entry)
+            self.jobs.stop(f"alarm {entry.id}")
 
     def reset(self) -> None:
         """Abort what runs, acknowledge faults and alarms, start the PLC again if it was lost."""
         self.channel.reset()
+        self.jobs.reset()
         self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
         self.alarms.acknowledge()
         if self.channel.restart_needed:
@@ -389,6 +409,7 @@ class Controller:
         """Bring everything to rest: the path brakes, the spindles stop, then the drives are switched off."""
         self._stopping = True
         self.channel.reset()
+        self.jobs.stop("the machine is switched off")
 
     @property
     def stopped(self) -> bool:
@@ -398,9 +419,14 @@ class Controller:
 
     def _at_rest(self) -> bool:
         image = self.drives.image
-        return self.channel.at_rest and all(
-            image.state[spindle.index] == DriveState.OFFLINE or spindle.standing(image.actual_velocity[spindle.index])
-            for spindle in self.channel.spindles
+        return (
+            self.channel.at_rest
+            and self.jobs.standing
+            and all(
+                image.state[spindle.index] == DriveState.OFFLINE
+                or spindle.standing(image.actual_velocity[spindle.index])
+                for spindle in self.channel.spindles
+            )
         )
 
     def _event(self, kind: EventKind, number: int = 0, value: float = 0.0, axis: int = -1) -> None:

@@ -95,6 +95,11 @@ class Orders:
         """Share of the programmed speed."""
         return self._axis_commands[axis].override
 
+    def axis_commands(self, axis: int) -> tuple[float, bool]:
+        """Override of an axis that moves alone, and whether it is held."""
+        commands = self._axis_commands[axis]
+        return commands.override, commands.feed_hold or not commands.release
+
     @property
     def machine_lock(self) -> bool:
         """No axis shall move in a program that starts now."""

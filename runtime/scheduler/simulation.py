@@ -98,6 +98,7 @@ class Simulation:
         base: Path | None = None,
         start_position: Floats | None = None,
         tools: ToolTable | None = None,
+        plant: SimulatedPlant | None = None,
     ) -> None:
         self.machine = machine
         self.period = machine.cycle.period
@@ -120,7 +121,7 @@ class Simulation:
             dialect=dialect,
             on_block=self._trace_block if trace else None,
         )
-        self.plant = SimulatedPlant()
+        self.plant = plant or SimulatedPlant()
         self._leave_bus: list[Callable[[], None]] = []
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
         self.plc: PlcPartner | None = None

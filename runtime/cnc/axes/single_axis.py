@@ -65,6 +65,12 @@ class SingleAxis:
         self._planned_with = -1.0  # override of the present plan; negative: the goal is not planned yet
         self._misses = 0
 
+    def continue_from(self, state: State) -> None:
+        """In motion at `state`, which somebody else has brought it to: it brakes unless a goal follows."""
+        self.restart(state.p)
+        self._state = state
+        self._plan.begin(state)
+
     def move_to(self, position: float, dynamics: Dynamics | None = None, end_velocity: float = 0.0) -> bool:
         """Go to `position`, at most to the software limit, and pass it with `end_velocity` (signed) if that is not 0.
 
