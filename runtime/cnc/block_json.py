@@ -45,7 +45,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
     Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
     External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
     `further`. Tool radius: `radius` (mm). Tool life: `command`, `basic`, `sister`, `variant`, `time` (s), `distance`
-    (mm). Manual mode: `kind` and `axes` (indices), or `axis`, `stage`, `values`; homing: `order` of the axes, 0 none.
+    (mm). Manual mode: `kind` and `axes` (indices), or `axis`, `stage`, `values`; homing: `order`
+    of the axes, 0 none.
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)

@@ -306,12 +306,12 @@ class Channel:
         path = self.interpolator
         single = inputs.single_block or before.stop_at_block_ends
         path.step(override=override, feed_hold=held, single_block=single)
-        problem = self.beside.step(inputs, path, actual[self._axes])
-        if problem is not None:
-            self.problems.append(problem)
         life = self.actions.life
         if life.wanted:
             life.moves(path.path_position, self.period, self._on(self._rapid))
+        problem = self.beside.step(inputs, path, actual[self._axes])
+        if problem is not None:
+            self.problems.append(problem)
         passed = path.passed
         for index in passed:
             self._pass(index)
@@ -551,9 +551,9 @@ class Channel:
             record = read_record(self.queue, index)
             if record.action in ACTIONS:
                 self.beside.act(record)
-                return
-            place = self._place_of(index) if record.action is ActionKind.TOOL_LIFE else 0.0
-            self.actions.carry_out(record, place)
+            else:
+                place = self._place_of(index) if record.action is ActionKind.TOOL_LIFE else 0.0
+                self.actions.carry_out(record, place)
 
     # ------------------------------------------------------------------ events
 

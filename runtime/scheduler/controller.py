@@ -117,9 +117,9 @@ class Controller:
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
+        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list)
         self.beside.commands = self.orders.manual
         self.supervision.lag_monitored = self.orders.lag_monitored
-        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list)
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
@@ -365,13 +365,13 @@ class Controller:
                 return Problem(alarms.AXES_NOT_READY, {"axis": self.machine.axes[i].name})
         if self.plc is not None and not self.plc.running:
             return Problem(alarms.PLC_NOT_RUNNING)
+        moved = self.jobs.moved_path_axis()
+        if moved is not None:
+            return Problem(axis_jobs.JOB_RUNS, {"axis": self.machine.axes[moved].name})
         if mode not in _UNREFERENCED:
             for i, referenced in zip(self._path_list, self.beside.referenced, strict=True):
                 if not referenced and not self.parked[i]:
                     return Problem(alarms.NOT_REFERENCED, {"axis": self.machine.axes[i].name})
-        moved = self.jobs.moved_path_axis()
-        if moved is not None:
-            return Problem(axis_jobs.JOB_RUNS, {"axis": self.machine.axes[moved].name})
         return None
 
     def alarm(self, problem: Problem, axis: int = -1) -> int:
