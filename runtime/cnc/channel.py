@@ -23,6 +23,7 @@ import numpy.typing as npt
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
+from runtime.cnc.delete_distance import DeleteDistance
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
@@ -59,6 +60,7 @@ _MESSAGE = int(StopCondition.MESSAGE)
 _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
 _EXACT_STOP = int(StopCondition.EXACT_STOP)
 _MANUAL = int(StopCondition.MANUAL)
+_DELETE_DISTANCE = int(StopCondition.DELETE_DISTANCE)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -95,6 +97,7 @@ class ChannelInputs:
     optional_stop: bool = False
     continue_motion: bool = False
     read_disable: bool = False
+    delete_distance: bool = False  # TRUE in one cycle only
     restricted: bool = False  # a direction is blocked, or an axis has dynamic limits
     # of the path axes, in their order
     axis_holds: list[bool] = field(default_factory=list)
@@ -133,6 +136,7 @@ class Channel:
         self._window = window
         self.beside = beside
         self.stop_before = stop_before
+        self._delete_distance = DeleteDistance(interpolator)
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
@@ -193,6 +197,7 @@ class Channel:
         self.actions.begin()
         self.queue.discard_all()
         self.beside.begin()
+        self._delete_distance.begin()
         self.interpolator.restart(order.start)
         self.functions.restart()
         self.link.start(order)
@@ -296,6 +301,10 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
+        if inputs.delete_distance and self.phase is Phase.RUNNING:
+            self._delete_distance.order()
+        if self._delete_distance.holds:
+            stop |= _DELETE_DISTANCE
         before = self.stop_before
         before.step(inputs)
         stop |= before.hold
@@ -327,7 +336,9 @@ class Channel:
         if self.trace_blocks:
             self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
-        if path.apart and self.phase is Phase.RUNNING:
+        if self.phase is Phase.RUNNING:
+            self._delete_distance.step()
+        if path.apart and self.phase is Phase.RUNNING and not self._delete_distance.explains_gap:
             self._tell_gap()
             self._clear(drop=True)
         elif self.phase is Phase.ABORTING and path.aborted and self.beside.at_rest:

@@ -88,6 +88,7 @@ class StopCondition(IntFlag):
     HOMING = 0x10000  # axes look for their reference
     READ_DISABLE = 0x20000  # the PLC keeps the interpolator from taking blocks
     AXIS_LIMIT = 0x40000  # an axis would leave its dynamic limits, or move in a blocked direction
+    DELETE_DISTANCE = 0x80000  # brakes, to drop the rest of the block
 
 
 class ManualMode(IntEnum):

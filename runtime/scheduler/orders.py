@@ -65,6 +65,7 @@ class Orders:
         inputs.optional_stop = commands.optional_stop
         inputs.continue_motion = commands.continue_motion
         inputs.read_disable = commands.read_disable
+        inputs.delete_distance = commands.delete_distance
 
     def _sample_path_axes(self) -> None:
         inputs = self.inputs

@@ -31,6 +31,7 @@ class RunningMachine:
         self.now = now
         self._link = link
         self._head = hli.head
+        self._skip_unit = hli.channels[0].control.program_block_ignore
         self._axes = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
         self._timers = Timers(hli)
         self._tools = ToolRequests(hli.channels[0])
@@ -57,6 +58,10 @@ class RunningMachine:
 
     def parked(self, axis: int) -> bool:
         return bool(self._axes[axis].control.parked.state_r)
+
+    def skip_levels(self, at_start: int) -> int:
+        """Switched-on levels as bits: the plain slash as at the start of the program, the others as they are now."""
+        return at_start & 1 | int(self._skip_unit.state_r) & ~1
 
     def cycle(self) -> int:
         return int(self._head.cycle_r)

@@ -13,7 +13,6 @@ from pathlib import Path
 
 from runtime.cnc.blocks import Block
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
-from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
@@ -28,7 +27,7 @@ from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.run_ahead import RunAhead
 
 BATCH = 256  # records between two looks at the link
-Source = Callable[[StartOrder, Outside], Iterator[Block]]
+Source = Callable[[StartOrder, RunningMachine], Iterator[Block]]
 
 
 class Preparation:
@@ -146,7 +145,7 @@ class Preparation:
             channel_dynamics(self._machine, self._channel),
         )
 
-    def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:
+    def _decoded(self, order: StartOrder, outside: RunningMachine) -> Iterator[Block]:
         """The blocks of the program file. Raises TandemError."""
         program = self._program = load_program(self._file(order), self._setup, self._dialect)
         self.decoder = Decoder(
@@ -155,7 +154,7 @@ class Preparation:
             start=order.start,
             memory=self._memory,
             outside=outside,
-            skip_levels=lambda: order.skip_levels,
+            skip_levels=lambda: outside.skip_levels(order.skip_levels),
             interrupted=lambda: self._link.waiting_order is not Order.NONE,
         )
         return self.decoder.blocks()

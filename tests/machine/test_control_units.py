@@ -154,6 +154,68 @@ def test_read_disable_waits_for_the_kind_of_block_that_is_configured(
     assert place(driven) == 80.0
 
 
+# ---------------------------------------------------------------------------------------------------- delete distance to go
+
+
+def delete_distance(driven: Driven) -> None:
+    unit = driven.hli.channels[0].control.delete_distance_to_go
+    claim(unit, True)
+    driven.watch(1)
+    claim(unit, False)
+
+
+@pytest.mark.spec("hli.ch.cu.delete-distance-to-go")
+@pytest.mark.parametrize(
+    "then",
+    [
+        "N20 Y50\nN30 X100 Y80\n",
+        "N20 G03 X100 Y40 I0 J40\nN30 G01 Y90\n",
+        "N15 #FLUSH WAIT\nN20 G01 Y50\nN30 X100 Y80\n",
+    ],
+)
+def test_the_rest_of_a_block_is_dropped_and_the_path_goes_straight_to_the_next_target(
+    driven: Driven, then: str
+) -> None:
+    driven.start(f"%D\nN10 G90 G162 G01 F6000 X60\n{then}N90 M30\n")
+    driven.until_x(20.0)
+    delete_distance(driven)
+    driven.until(lambda: place(driven, Y) > 0.0)
+    turned = float(driven.targets[-2][X])
+    assert 20.0 < turned < 25.0
+    driven.until_done()
+    assert driven.errors == []
+    straight = np.array([t[:2] for t in driven.targets if t[X] <= 60.0 and 0.0 < t[Y] < 50.0])
+    goal = (60.0, 50.0) if "G03" not in then else (100.0, 40.0)
+    way = np.array(goal) - (turned, 0.0)
+    off = (straight - (turned, 0.0)) @ np.array([-way[1], way[0]]) / np.hypot(*way)
+    assert np.abs(off).max() < 1e-6
+    driven.assert_no_jump()
+
+
+@pytest.mark.spec("hli.ch.cu.delete-distance-to-go")
+def test_where_no_motion_is_there_is_nothing_to_delete(driven: Driven) -> None:
+    driven.start("%D\nN10 G90 G01 F6000 X10\nN20 M0\nN30 X30\nN40 M30\n")
+    driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.WAIT_CONTINUE))
+    driven.watch(5)
+    delete_distance(driven)
+    driven.watch(5)
+    driven.operator.continue_motion_rw = True
+    driven.until_done()
+    assert place(driven) == 30.0
+    assert driven.errors == []
+
+
+@pytest.mark.spec("hli.ch.cu.delete-distance-to-go")
+def test_deleting_the_last_motion_ends_the_program_there(driven: Driven) -> None:
+    driven.start("%D\nN10 G90 G01 F6000 X100\nN20 M30\n")
+    driven.until_x(20.0)
+    delete_distance(driven)
+    driven.until_done()
+    assert 20.0 < place(driven) < 25.0
+    assert driven.errors == []
+    assert driven.state() is not State.ERROR
+
+
 # ---------------------------------------------------------------------------------------------------- limits
 
 
@@ -264,6 +326,18 @@ def test_the_following_error_is_monitored_unless_the_plc_switches_it_off(driven:
         driven.watch(3)
         assert bool(driven.simulation.controller.supervision.faults[X]) is not off
     assert driven.alarm(alarms.FOLLOWING_ERROR)
+
+
+# ---------------------------------------------------------------------------------------------------- skip levels
+
+
+@pytest.mark.spec("hli.ch.cu.skip-levels")
+def test_numbered_levels_follow_the_mask_and_the_plain_slash_stays_as_it_was(driven: Driven) -> None:
+    driven.start("%K\nN10 G90 G01 F6000 X20\nN20 #FLUSH WAIT\n/N30 Y20\n/2 N40 X40\n/3 N50 Y[V.A.ABS.Y+5]\nN60 M30\n")
+    driven.until_x(5.0)
+    driven.operator.program_block_ignore_w = 0b11
+    driven.until_done()
+    assert (place(driven, X), place(driven, Y)) == (20.0, 25.0)
 
 
 # ---------------------------------------------------------------------------------------------------- machine lock

@@ -53,9 +53,10 @@ class Interpolator:
         self._driven = (1.0, False)  # override and single block of the last step
         self.restart(position)
 
-    def restart(self, position: Floats) -> None:
-        """Begin anew at `position` with what the queue holds from its `read` on; path position 0."""
+    def restart(self, position: Floats, way: float = 0.0) -> None:
+        """Begin anew at `position` with what the queue holds from its `read` on; path position `way`, mm."""
         self._f[:] = 0.0
+        self._f[c.PATH] = way
         self._i[:] = 0
         self._dq[:] = 0.0
         self._q[: self._n] = position
