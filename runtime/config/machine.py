@@ -121,6 +121,14 @@ class Drive(Model):
     )
 
 
+class GearStage(Model):
+    """Dynamic data of a gear stage of a spindle (M40 is stage 1)."""
+
+    velocity: Velocity
+    acceleration: Acceleration
+    jerk: Jerk
+
+
 class Axis(Model):
     """An axis or spindle and what it may be asked to do, in mm or, if it turns, degrees, and seconds."""
 
@@ -136,6 +144,7 @@ class Axis(Model):
     following_error: Annotated[Length, Field(gt=0)] = 5.0  # alarm above it
     in_position: Annotated[Length, Field(gt=0)] = 0.02  # window of standstill
     drive: Drive | None = None
+    gear_stages: Several[GearStage] = Field(default=(), max_length=6)  # of a spindle; without: one stage
 
     @model_validator(mode="after")
     def _limits_in_order(self) -> Axis:
