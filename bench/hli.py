@@ -15,7 +15,11 @@ from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.layout import Hli
 from runtime.hli.memory import HliMemory
 from runtime.hli.technology import Function, Kind, TechnologyPort
+from runtime.plc_logic import CTD, CTU, CTUD, F_TRIG, R_TRIG, RS, SR, TOF, TON, TP, Program
+from runtime.plc_logic.areas import AxisPort, ChannelPort
 from runtime.plc_logic.bench import Bench
+from runtime.plc_logic.cycle_time import cycle_at_ns
+from runtime.plc_logic.image import io_of
 
 ACCESSES = 100_000
 
@@ -23,7 +27,7 @@ ACCESSES = 100_000
 def measure() -> list[Figure]:
     """Access to a field, the CNC's side of the units, cycles of the demo's PLC program, a snapshot."""
     with as_in_the_cycle():
-        return [*_access(), *_plc(), *_cnc()]
+        return [*_access(), *_ports(), *_blocks(), *_plc(), *_cnc()]
 
 
 def _call(name: str, call: Callable[[], object], calls: int = 1000) -> list[Figure]:
@@ -57,6 +61,82 @@ def _access() -> list[Figure]:
             ("write a field of a structure at hand", write),
             ("read a field from the root", read_from_the_root),
         )
+    ]
+
+
+def _ports() -> list[Figure]:
+    """Fields as a PLC program reads and sets them."""
+    hli = HliMemory.private().hli
+    hli.channels[0].control.mode_and_state.state_r = hli.channels[0].control.mode_and_state.mode_r = 2
+    hli.axes[0].status.axis_state_r = 1
+    channel, axis = ChannelPort(hli.channels[0]), AxisPort(hli.axes[0])
+    io = io_of(Program, hli.image, {"closed": 3}, {"valve": 4})
+
+    def position() -> None:
+        for _ in range(ACCESSES):
+            axis.position  # noqa: B018
+
+    def in_position() -> None:
+        for _ in range(ACCESSES):
+            axis.in_position  # noqa: B018
+
+    def state() -> None:
+        for _ in range(ACCESSES):
+            channel.state  # noqa: B018
+
+    def hold() -> None:
+        for _ in range(ACCESSES):
+            channel.feed_hold = True
+
+    def read() -> None:
+        for _ in range(ACCESSES):
+            io.closed  # noqa: B018
+
+    def write() -> None:
+        for _ in range(ACCESSES):
+            io.valve = True
+
+    return [
+        Figure(f"PLC program: {name}", seconds(call, 7) / ACCESSES * 1e9, "ns", limit)
+        for name, call, limit in (
+            ("axis.position", position, 150),
+            ("axis.in_position", in_position, 150),
+            ("channel.state", state, 150),
+            ("channel.feed_hold = True", hold, None),
+            ("io input", read, 150),
+            ("io output = True", write, None),
+        )
+    ]
+
+
+def _blocks() -> list[Figure]:
+    """2000 calls of function blocks, mixed as in a program: each block is called with its inputs, some with all."""
+    blocks = [(TON(), TOF(), TP(), R_TRIG(), F_TRIG(), SR(), RS(), CTU(5), CTD(5), CTUD(5)) for _ in range(200)]
+    time_ns = 0
+
+    def cycle() -> None:
+        nonlocal time_ns
+        time_ns += 4_000_000
+        on = time_ns // 100_000_000 % 2 == 0
+        with cycle_at_ns(time_ns):
+            for ton, tof, tp, rise, fall, sr, rs, up, down, both in blocks:
+                ton(IN=on, PT=0.05)
+                tof(IN=on, PT=0.05)
+                tp(IN=on, PT=0.05)
+                rise(CLK=on)
+                fall(CLK=on)
+                sr(S1=on, R=False)
+                rs(S=on, R1=False)
+                up(CU=on, R=False)
+                down(CD=on, LD=False)
+                both(CU=on, CD=False)
+
+    windows = each(cycle, 100)
+    best = min(windows, key=lambda window: float(np.percentile(window, 99)))
+    median, p99 = (np.percentile(best, (50, 99)) / 1e6).tolist()
+    return [
+        Figure("2000 calls of function blocks, median", median, "ms", 2.0),
+        Figure("2000 calls of function blocks, 99 %", p99, "ms", 2.0),
     ]
 
 

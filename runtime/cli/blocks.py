@@ -13,9 +13,10 @@ import typer
 
 from runtime.cli.explained import explained
 from runtime.cnc.block_json import rows
-from runtime.cnc.decoder import DIALECTS, Decoder, DecoderSetup, ProgramError, load_program
+from runtime.cnc.decoder import DIALECTS, ChannelMemory, Decoder, DecoderSetup, ProgramError, load_program
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import TandemError
+from runtime.scheduler.tool_tables import copied_tools
 
 
 def command(
@@ -27,13 +28,15 @@ def command(
 ) -> None:
     """Print the blocks of a program as JSON lines. Errors go to standard error; exit code 1 if there are any."""
     try:
-        setup = DecoderSetup.from_machine(load_machine(config))
+        machine = load_machine(config)
+        setup = DecoderSetup.from_machine(machine)
+        memory = ChannelMemory(setup, copied_tools(machine, os.environ))
         program = load_program(file, setup, dialect)
     except TandemError as error:
         _tell(error)
         raise typer.Exit(1) from None
     try:
-        for block in Decoder(program, setup, start=np.zeros(len(setup.axes))).blocks():
+        for block in Decoder(program, setup, start=np.zeros(len(setup.axes)), memory=memory).blocks():
             for row in rows(block, setup.axes):
                 sys.stdout.write(json.dumps(row) + "\n")
         sys.stdout.flush()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -16,6 +17,7 @@ from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeR
 from runtime.cli.explained import explained
 from runtime.cnc.decoder import (
     DIALECTS,
+    ChannelMemory,
     Decoder,
     DecoderSetup,
     Program,
@@ -27,8 +29,11 @@ from runtime.cnc.decoder import (
 )
 from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
+from runtime.cnc.tools.table import MemoryTools
+from runtime.cnc.tools.tool import Tool
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import Problem, Severity, TandemError
+from runtime.scheduler.tool_tables import copied_tools
 
 # A loop that runs so long without any output does not end by itself in a check, where no PLC changes anything.
 IDLE_LIMIT = 1_000_000
@@ -51,13 +56,14 @@ def command(
     try:
         machine = load_machine(config)
         setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
+        tools = copied_tools(machine, os.environ).all()
     except TandemError as error:
         for problem in error.problems:
             typer.echo(problem.explained(), err=True)
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, limits, dialect)
+        problems, warnings = check(file, setup, limits, dialect, tools)
         for problem in (*problems, *warnings):
             typer.echo(explained(problem))
         failed |= bool(problems)
@@ -65,11 +71,11 @@ def command(
 
 
 def check(
-    file: Path, setup: DecoderSetup, limits: SoftwareLimits, dialect: str = "isg"
+    file: Path, setup: DecoderSetup, limits: SoftwareLimits, dialect: str = "isg", tools: Iterable[Tool] = ()
 ) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
     """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it.
 
-    First all of its text is looked through, then it is executed without a machine.
+    First all of its text is looked through, then it is executed without a machine, with `tools`.
     """
     warnings: list[Problem] = []
     decoder: Decoder | None = None
@@ -85,7 +91,9 @@ def check(
                     break
         if errors:
             return tuple(errors), tuple(warnings)
-        decoder = Decoder(program, setup, start=limits.nearest(np.zeros(len(setup.axes))), idle_limit=IDLE_LIMIT)
+        memory = ChannelMemory(setup, MemoryTools(tools))
+        start = limits.nearest(np.zeros(len(setup.axes)))
+        decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
         for _ in limits(SpatialArcs()(decoder.blocks())):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)

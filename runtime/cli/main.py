@@ -41,6 +41,7 @@ SUB_COMMANDS = (
     SubCommand("doctor", "runtime.cli.doctor", "Tell whether this host is fit for real time, and what to do if not."),
     SubCommand("bus", "runtime.cli.bus", "Look at the nodes of a CANopen bus on which no machine runs."),
     SubCommand("hli", "runtime.cli.hli", "Look into the interface memory of a running machine."),
+    SubCommand("plc", "runtime.cli.plc", "Replace the PLC program of a running machine (reload)."),
 )
 
 

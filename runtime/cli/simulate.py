@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -33,6 +34,7 @@ def command(
     from runtime.diagnostics.catalogue import system
     from runtime.diagnostics.errors import TandemError
     from runtime.scheduler.simulation import Simulation
+    from runtime.scheduler.tool_tables import copied_tools
 
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="no variable is recorded yet")
@@ -49,6 +51,7 @@ def command(
         samples=plot is not None,
         plc=not no_plc,
         base=config.parent if config else None,
+        tools=copied_tools(machine, os.environ),
     )
     progress = _tell_progress if sys.stderr.isatty() else None
     result = simulation.run_program(file, progress=progress)

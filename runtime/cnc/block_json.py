@@ -22,6 +22,7 @@ from runtime.cnc.blocks import (
     Stop,
     TechnologyFunction,
     TimerAction,
+    ToolRadius,
     UserError,
 )
 
@@ -39,7 +40,7 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
     parameter from 0 to 1). Functions: `number`, `value`, `synch`, for S `spindle`.
     Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
     External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
-    `further`.
+    `further`. Tool radius: `radius` (mm).
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
@@ -85,6 +86,8 @@ def _action(block: Block) -> Iterator[Row]:
                 "acknowledge": block.acknowledge,
                 "information": block.information,
             }
+        case ToolRadius():
+            yield {**_source(block.source, "tool radius"), "radius": block.radius}
         case TimerAction():
             yield {**_source(block.source, "timer"), "command": block.command.value, "timer": block.timer}
         case ExternalWrite():

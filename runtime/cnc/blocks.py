@@ -306,6 +306,17 @@ class SoftwareLimitChange:
 
 
 @dataclass(frozen=True, slots=True)
+class ToolRadius:
+    """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
+
+    For the compensation of the radius; it does not reach the queue.
+    """
+
+    source: Source
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
 class AxisLimitChange:
     """What the axes of the channel may do from here on: weights, ramp times, slope types, groups, worked out.
 
@@ -419,6 +430,7 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | ToolRadius
     | AxisLimitChange
     | Flush
     | Hold

@@ -55,6 +55,10 @@ def _program_beside(value: str, info: ValidationInfo) -> str:
     return beside(value, info) if value.endswith(".py") else value
 
 
+def _list_beside(value: str, info: ValidationInfo) -> str:
+    return value if ":" in value else beside(value, info)
+
+
 def _option(value: object) -> object:
     if not isinstance(value, (int, float, str)):  # bool is an int
         raise ValueError("text, a number, true or false is expected")
@@ -238,6 +242,15 @@ class Metrics(Model):
     port: int = Field(default=9402, ge=0, le=65535)
 
 
+class ToolTable(Model):
+    """Where the tools are that D words select."""
+
+    database: FileBeside | None = None  # SQLite; default: tools.db in the state directory
+    initial_list: Annotated[str, Field(min_length=1), AfterValidator(_list_beside)] | None = (
+        None  # tool list that the table begins with, when it is made: "file.lis" beside the description, or "package:file.lis"
+    )
+
+
 class Machine(Model):
     """A whole machine."""
 
@@ -250,6 +263,7 @@ class Machine(Model):
     fieldbus: Fieldbus = Fieldbus()
     plc: Plc = Plc()
     metrics: Metrics = Metrics()
+    tools: ToolTable = ToolTable()
     error_texts: FileBeside | None = None  # texts for #ERROR, lines `number text`
     state_directory: Annotated[Path, Field(strict=False)] | None = (
         None  # retained data; default: $STATE_DIRECTORY, else ~/.local/state/tandem

@@ -280,7 +280,10 @@ class Platform(c.Structure):
         ("emcy_count_r", c.c_uint64),
         ("frames_sent_r", c.c_uint64),
         ("frames_received_r", c.c_uint64),
-        ("reload_request_w", c.c_bool),
+        ("reload_request_w", c.c_uint64),  # whoever replaces the PLC program counts up: load it anew
+        ("reload_done_w", c.c_uint64),  # the PLC sets it to the request it has answered, after what follows
+        ("reload_error_w", c.c_uint32),  # 0 the new program runs, else the id of the refusal
+        ("reload_text_w", c.c_char * LONG_TEXT),  # what was kept, or why it was refused, with the traceback
         ("lc_error", PlcReport),
         ("plc_error_id_w", c.c_uint32),  # why the PLC program stands, 0 it does not
         ("plc_error_text_w", c.c_char * LONG_TEXT),

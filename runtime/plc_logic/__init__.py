@@ -1,4 +1,7 @@
-"""What a PLC program imports: the base class, the handlers of technology functions, the blocks of IEC 61131-3."""
+"""What a PLC program imports: the base class, the handlers of technology functions, the blocks of IEC 61131-3.
+
+More blocks: `control_blocks` (blink, ramp, PID, ...); functions: `iec_functions`, `conversions`.
+"""
 
 from runtime.hli.layout import AxisState, Mode, State, StopCondition
 from runtime.plc_logic.areas import NcMessage
@@ -6,7 +9,11 @@ from runtime.plc_logic.cycle_time import cycle_at
 from runtime.plc_logic.errors import PlcError, PlcFailure
 from runtime.plc_logic.function_blocks import CTD, CTU, CTUD, F_TRIG, R_TRIG, RS, SR, TOF, TON, TP
 from runtime.plc_logic.handlers import NcFunction, h_function, m_function, s_function, t_function
+from runtime.plc_logic.iec_time import TIME
+from runtime.plc_logic.image import Input, Io, Output
 from runtime.plc_logic.program import Program
+from runtime.plc_logic.retained_variables import retain
+from runtime.plc_logic.tasks import task
 
 __all__ = [
     "CTD",
@@ -16,13 +23,17 @@ __all__ = [
     "RS",
     "R_TRIG",
     "SR",
+    "TIME",
     "TOF",
     "TON",
     "TP",
     "AxisState",
+    "Input",
+    "Io",
     "Mode",
     "NcFunction",
     "NcMessage",
+    "Output",
     "PlcError",
     "PlcFailure",
     "Program",
@@ -31,6 +42,8 @@ __all__ = [
     "cycle_at",
     "h_function",
     "m_function",
+    "retain",
     "s_function",
     "t_function",
+    "task",
 ]

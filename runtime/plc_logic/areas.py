@@ -26,7 +26,7 @@ from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED
 
 
 class _Area:
-    """A channel or axis with control units."""
+    """A channel or axis with control units. Its fields are read as they stand: ctypes gives numbers of Python already."""
 
     def __init__(self, control: ChannelControl | AxisControl) -> None:
         self._control = control
@@ -48,6 +48,13 @@ class _Command:
 
     def __delete__(self, area: _Area) -> None:
         area._unit(self._name).enable_w = False
+
+
+# Members by their numbers: making one from a number costs ten times as much as looking it up.
+_MODES = {int(mode): mode for mode in Mode}
+_STATES = {int(state): state for state in State}
+_RUNS = (int(State.ACTIVE), int(State.HOLD))
+_AXIS_STATES = {0: AxisState.HOLD} | {int(state): state for state in AxisState}
 
 
 class BoolCommand(_Command):
@@ -207,21 +214,22 @@ class ChannelPort(_Area):
 
     @property
     def mode(self) -> Mode:
-        return Mode(self._modes.mode_r)
+        return _MODES[self._modes.mode_r]
 
     @property
     def state(self) -> State:
-        return State(self._modes.state_r)
+        return _STATES[self._modes.state_r]
 
     @property
     def running(self) -> bool:
         """A program is ACTIVE or in HOLD."""
-        return self._modes.state_r in (State.ACTIVE, State.HOLD)
+        return self._modes.state_r in _RUNS
 
     @property
     def error(self) -> int:
         """Id of the error that stopped the channel, 0 none."""
-        return int(self._status.error_id_r)
+        value: int = self._status.error_id_r
+        return value
 
     @property
     def program(self) -> str:
@@ -230,26 +238,31 @@ class ChannelPort(_Area):
     @property
     def line(self) -> int:
         """Program line of the block that is moving."""
-        return int(self._status.line_r)
+        value: int = self._status.line_r
+        return value
 
     @property
     def block_number(self) -> int:
         """N word of that block, -1 if it has none."""
-        return int(self._status.block_number_r)
+        value: int = self._status.block_number_r
+        return value
 
     @property
     def feed(self) -> float:
         """Active path feed, mm/s."""
-        return float(self._status.active_feed_r) * SPEED
+        value: float = self._status.active_feed_r * SPEED
+        return value
 
     @property
     def path_position(self) -> float:
         """Path since program start, mm."""
-        return float(self._status.path_position_r) * LENGTH
+        value: float = self._status.path_position_r * LENGTH
+        return value
 
     @property
     def waits_for_continue(self) -> bool:
-        return bool(self._status.wait_continue_r)
+        value: bool = self._status.wait_continue_r
+        return value
 
     @property
     def stop_condition(self) -> StopCondition:
@@ -305,42 +318,50 @@ class AxisPort(_Area):
 
     @property
     def state(self) -> AxisState:
-        return AxisState(self._status.axis_state_r or AxisState.HOLD)
+        return _AXIS_STATES[self._status.axis_state_r]
 
     @property
     def position(self) -> float:
         """Actual position."""
-        return float(self._status.actual_position_r) * LENGTH
+        value: float = self._status.actual_position_r * LENGTH
+        return value
 
     @property
     def commanded_position(self) -> float:
-        return float(self._status.command_position_r) * LENGTH
+        value: float = self._status.command_position_r * LENGTH
+        return value
 
     @property
     def target(self) -> float:
         """Where the present move ends."""
-        return float(self._status.target_position_r) * LENGTH
+        value: float = self._status.target_position_r * LENGTH
+        return value
 
     @property
     def lag(self) -> float:
         """Following error."""
-        return float(self._status.position_lag_r) * LENGTH
+        value: float = self._status.position_lag_r * LENGTH
+        return value
 
     @property
     def velocity(self) -> float:
-        return float(self._status.actual_velocity_r) * SPEED
+        value: float = self._status.actual_velocity_r * SPEED
+        return value
 
     @property
     def in_position(self) -> bool:
-        return bool(self._status.in_position_r)
+        value: bool = self._status.in_position_r
+        return value
 
     @property
     def referenced(self) -> bool:
-        return bool(self._status.referenced_r)
+        value: bool = self._status.referenced_r
+        return value
 
     @property
     def error(self) -> bool:
-        return bool(self._axis.error_r)
+        value: bool = self._axis.error_r
+        return value
 
     def update(self) -> None:
         """End of a PLC cycle. Called by the host."""
@@ -357,22 +378,27 @@ class SpindlePort(AxisPort):
     @property
     def speed(self) -> float:
         """Actual speed."""
-        return float(self._spindle.actual_speed_r) * REV_PER_MIN
+        value: float = self._spindle.actual_speed_r * REV_PER_MIN
+        return value
 
     @property
     def commanded_speed(self) -> float:
         """Speed after override and ramp."""
-        return float(self._spindle.command_speed_r) * REV_PER_MIN
+        value: float = self._spindle.command_speed_r * REV_PER_MIN
+        return value
 
     @property
     def programmed_speed(self) -> float:
         """S word."""
-        return float(self._spindle.programmed_speed_r) * REV_PER_MIN
+        value: float = self._spindle.programmed_speed_r * REV_PER_MIN
+        return value
 
     @property
     def at_speed(self) -> bool:
-        return bool(self._spindle.rev_erreicht_r)
+        value: bool = self._spindle.rev_erreicht_r
+        return value
 
     @property
     def standing(self) -> bool:
-        return bool(self._spindle.rev_null_r)
+        value: bool = self._spindle.rev_null_r
+        return value

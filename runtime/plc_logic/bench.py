@@ -15,23 +15,28 @@ Time is virtual: `run(2.0)` runs 500 cycles of 4 ms at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
+from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.hli.alarms import Report, take_report
 from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.external import ExternalEntry, describe_external
 from runtime.hli.layout import Channel
-from runtime.hli.memory import HliMemory, put_text
+from runtime.hli.memory import HliMemory, get_text, put_text
 from runtime.hli.messages import MessagePort, Waiting
 from runtime.hli.modes import Wish
 from runtime.hli.technology import Function, Kind, Sent, TechnologyPort
 from runtime.hli.units import REV_PER_MIN, to_int32
+from runtime.plc_logic.errors import PlcFailure
+from runtime.plc_logic.exchange import ProgramExchange
 from runtime.plc_logic.host import SPINDLE, PlcHost
 from runtime.plc_logic.program import Program
+from runtime.plc_logic.retained_variables import RetainJournal
 
 P = TypeVar("P", bound=Program)
 WAIT = 0x2  # MVS_SVS
 NO_WAIT = 0x1  # MOS
+_EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the bench starts here
 
 
 class Bench(Generic[P]):
@@ -48,10 +53,11 @@ class Bench(Generic[P]):
         external: Sequence[ExternalEntry] = (),
         cycle_time: float = 0.004,
         plant: Callable[[Bench[P]], None] | None = None,
+        journal: Callable[[], RetainJournal] | None = None,
     ) -> None:
         """`plant` is called before every cycle: it may look at outputs and set inputs, as the real machine would.
 
-        `external`: the external variables of the machine.
+        `external`: the external variables of the machine. `journal`: that of the retained variables.
         """
         self.memory = HliMemory.private()
         hli = self.hli = self.memory.hli
@@ -76,10 +82,12 @@ class Bench(Generic[P]):
         self.axis_commands = {name: AxisCommands(hli.axes[i]) for name, i in self._axis_index.items()}
         self.reports: list[Report] = []  # what the program has reported, coming and going
         self.orders: list[Wish] = []  # orders of the mode unit that reached the CNC
-        self.host = PlcHost(program, self.memory, self._inputs, self._outputs)
+        self.host = PlcHost(
+            program, self.memory, self._inputs, self._outputs, journal=journal, wall_ns=lambda: _EPOCH_NS + self.time_ns
+        )
         self.host.start(0)
-        assert isinstance(self.host.program, program)
-        self.program: P = self.host.program
+        self._new: type[Program] | None = None
+        self._exchange = ProgramExchange(self.host, hli, lambda: lambda: self._new)
 
     # ------------------------------------------------------------------ the machine
 
@@ -101,6 +109,11 @@ class Bench(Generic[P]):
         status.actual_speed_r = status.command_speed_r = to_int32(speed, REV_PER_MIN)
         status.rev_erreicht_r = at_speed and speed != 0
         status.rev_null_r = speed == 0
+
+    @property
+    def program(self) -> P:
+        """The program that runs."""
+        return cast(P, self.host.program)
 
     @property
     def alarms(self) -> list[str]:
@@ -148,6 +161,20 @@ class Bench(Generic[P]):
             port.drop_all()
         self._messages.drop_all()
 
+    # ------------------------------------------------------------------ online change
+
+    def replace(self, program: type[Program], seconds: float = 20.0) -> str:
+        """Replace the program as `tandem plc reload` does; what the PLC answered. PlcFailure if it was refused."""
+        self._new = program
+        platform = self.hli.platform
+        platform.reload_request_w += 1
+        self.run_until(lambda: bool(platform.reload_done_w == platform.reload_request_w), seconds)
+        text = get_text(platform, "reload_text_w")
+        if platform.reload_error_w:
+            told = ErrorEntry(platform.reload_error_w, "{text}")
+            raise PlcFailure(told, Place(), text.partition("\n")[2], text=text.partition("\n")[0])
+        return text
+
     # ------------------------------------------------------------------ time
 
     def cycle(self) -> None:
@@ -163,7 +190,7 @@ class Bench(Generic[P]):
             self.commands.modes.answer()
         self._messages.poll()
         self.hli.platform.plc_cycle_request_r += 1
-        self.host.cycle(self.time_ns)
+        self._exchange.cycle(self.time_ns)
         for port in (self._port, *self._axis_ports.values()):
             port.poll()
         self._messages.poll()

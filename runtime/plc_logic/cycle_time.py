@@ -8,29 +8,47 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
-from contextvars import ContextVar
+from datetime import datetime
 
-_now_ns: ContextVar[int] = ContextVar("time of the PLC cycle")
+OUTSIDE = -1
+
+
+class _Moment:
+    """A PLC process runs one cycle at a time, so one place is enough; a context variable would cost each timer more
+    than the rest of its work."""
+
+    __slots__ = ("now_ns", "wall_ns")
+
+    def __init__(self) -> None:
+        self.now_ns = OUTSIDE
+        self.wall_ns = 0  # since 1970 UTC
+
+
+MOMENT = _Moment()
 
 
 def now_ns() -> int:
     """The time of the running PLC cycle, ns; RuntimeError outside of one."""
-    try:
-        return _now_ns.get()
-    except LookupError:
-        raise RuntimeError(
-            "timers run in a PLC cycle only; in a test use runtime.plc_logic.cycle_at(seconds)"
-        ) from None
+    now = MOMENT.now_ns
+    if now < 0:
+        raise RuntimeError("timers run in a PLC cycle only; in a test use runtime.plc_logic.cycle_at(seconds)")
+    return now
+
+
+def wall_clock() -> datetime:
+    """Date and time of day of the running PLC cycle, local time."""
+    return datetime.fromtimestamp(MOMENT.wall_ns // 1000 / 1e6)
 
 
 @contextmanager
-def cycle_at_ns(time_ns: int) -> Iterator[None]:
-    """A PLC cycle at this time."""
-    token = _now_ns.set(time_ns)
+def cycle_at_ns(time_ns: int, wall_ns: int = 0) -> Iterator[None]:
+    """A PLC cycle at this time; `wall_ns`: nanoseconds since 1970."""
+    before = (MOMENT.now_ns, MOMENT.wall_ns)
+    MOMENT.now_ns, MOMENT.wall_ns = time_ns, wall_ns
     try:
         yield
     finally:
-        _now_ns.reset(token)
+        MOMENT.now_ns, MOMENT.wall_ns = before
 
 
 def cycle_at(seconds: float) -> AbstractContextManager[None]:

@@ -1,15 +1,17 @@
 """The standard function blocks of IEC 61131-3 (tables 43 to 46 of edition 3), under their names and with their pins.
 
 A block is called with its inputs and returns itself: `if self.delay(IN=door_open, PT=0.5).Q: ...`. An input that is
-not given keeps its last value, as in the standard. Times are seconds; a timer measures between the times of the PLC
-cycles it is called in.
+not given keeps its last value, as in the standard. Times are seconds (`TIME("T#1m30s")` gives them); a timer measures
+between the times of the PLC cycles it is called in.
+
+A program calls thousands of blocks per cycle, so each block does its work in one function.
 """
 
 from __future__ import annotations
 
 from typing import Self
 
-from runtime.plc_logic.cycle_time import now_ns
+from runtime.plc_logic.cycle_time import MOMENT, now_ns
 
 INT_MAX = 32767  # PVmax and PVmin of the counters
 INT_MIN = -32768
@@ -25,14 +27,16 @@ def _ns(seconds: float) -> int:
 class SR:
     """Bistable, set dominant: Q1 = S1 OR (Q1 AND NOT R)."""
 
+    __slots__ = ("Q1", "_r", "_s1")
+
     def __init__(self) -> None:
-        self.Q1 = False
-        self._s1 = False
-        self._r = False
+        self.Q1 = self._s1 = self._r = False
 
     def __call__(self, S1: bool | None = None, R: bool | None = None) -> Self:
-        self._s1 = self._s1 if S1 is None else bool(S1)
-        self._r = self._r if R is None else bool(R)
+        if S1 is not None:
+            self._s1 = True if S1 else False  # noqa: SIM210 - half the time of bool()
+        if R is not None:
+            self._r = True if R else False  # noqa: SIM210
         self.Q1 = self._s1 or (self.Q1 and not self._r)
         return self
 
@@ -40,14 +44,16 @@ class SR:
 class RS:
     """Bistable, reset dominant: Q1 = NOT R1 AND (S OR Q1)."""
 
+    __slots__ = ("Q1", "_r1", "_s")
+
     def __init__(self) -> None:
-        self.Q1 = False
-        self._s = False
-        self._r1 = False
+        self.Q1 = self._s = self._r1 = False
 
     def __call__(self, S: bool | None = None, R1: bool | None = None) -> Self:
-        self._s = self._s if S is None else bool(S)
-        self._r1 = self._r1 if R1 is None else bool(R1)
+        if S is not None:
+            self._s = True if S else False  # noqa: SIM210
+        if R1 is not None:
+            self._r1 = True if R1 else False  # noqa: SIM210
         self.Q1 = not self._r1 and (self._s or self.Q1)
         return self
 
@@ -58,28 +64,30 @@ class RS:
 class R_TRIG:  # noqa: N801 - the standard's name
     """Rising edge: Q is TRUE in the one call in which CLK has changed to TRUE, and in a first call with CLK TRUE."""
 
+    __slots__ = ("Q", "_clk")
+
     def __init__(self) -> None:
-        self.Q = False
-        self._clk = False
-        self._memory = False
+        self.Q = self._clk = False
 
     def __call__(self, CLK: bool | None = None) -> Self:
-        self._clk = self._clk if CLK is None else bool(CLK)
-        self.Q = self._clk and not self._memory
-        self._memory = self._clk
+        before = self._clk
+        if CLK is not None:
+            self._clk = True if CLK else False  # noqa: SIM210
+        self.Q = self._clk and not before
         return self
 
 
 class F_TRIG:  # noqa: N801 - the standard's name
     """Falling edge. By the standard's body a first call with CLK FALSE gives Q TRUE once."""
 
+    __slots__ = ("Q", "_clk", "_memory")
+
     def __init__(self) -> None:
-        self.Q = False
-        self._clk = False
-        self._memory = False
+        self.Q = self._clk = self._memory = False
 
     def __call__(self, CLK: bool | None = None) -> Self:
-        self._clk = self._clk if CLK is None else bool(CLK)
+        if CLK is not None:
+            self._clk = True if CLK else False  # noqa: SIM210
         self.Q = not self._clk and not self._memory
         self._memory = not self._clk
         return self
@@ -91,17 +99,22 @@ class F_TRIG:  # noqa: N801 - the standard's name
 class CTU:
     """Up counter: counts rising edges of CU, R sets CV to 0; Q when CV has reached PV."""
 
+    __slots__ = ("CV", "Q", "_cu", "_pv", "_r")
+
     def __init__(self, PV: int = 0) -> None:
-        self.Q = False
+        self.Q = self._r = self._cu = False
         self.CV = 0
         self._pv = PV
-        self._r = False
-        self._cu = R_TRIG()
 
     def __call__(self, CU: bool | None = None, R: bool | None = None, PV: int | None = None) -> Self:
-        self._pv = self._pv if PV is None else PV
-        self._r = self._r if R is None else bool(R)
-        up = self._cu(CLK=CU).Q
+        if PV is not None:
+            self._pv = PV
+        if R is not None:
+            self._r = True if R else False  # noqa: SIM210
+        up = False
+        if CU is not None:
+            up = bool(CU and not self._cu)
+            self._cu = True if CU else False  # noqa: SIM210
         if self._r:
             self.CV = 0
         elif up and self.CV < INT_MAX:
@@ -113,17 +126,22 @@ class CTU:
 class CTD:
     """Down counter: LD loads PV, rising edges of CD count down; Q when CV is 0 or less."""
 
+    __slots__ = ("CV", "Q", "_cd", "_ld", "_pv")
+
     def __init__(self, PV: int = 0) -> None:
-        self.Q = False
+        self.Q = self._ld = self._cd = False
         self.CV = 0
         self._pv = PV
-        self._ld = False
-        self._cd = R_TRIG()
 
     def __call__(self, CD: bool | None = None, LD: bool | None = None, PV: int | None = None) -> Self:
-        self._pv = self._pv if PV is None else PV
-        self._ld = self._ld if LD is None else bool(LD)
-        down = self._cd(CLK=CD).Q
+        if PV is not None:
+            self._pv = PV
+        if LD is not None:
+            self._ld = True if LD else False  # noqa: SIM210
+        down = False
+        if CD is not None:
+            down = bool(CD and not self._cd)
+            self._cd = True if CD else False  # noqa: SIM210
         if self._ld:
             self.CV = self._pv
         elif down and self.CV > INT_MIN:
@@ -135,15 +153,12 @@ class CTD:
 class CTUD:
     """Up and down counter: R before LD before counting; edges of CU and CD in the same call cancel each other."""
 
+    __slots__ = ("CV", "QD", "QU", "_cd", "_cu", "_ld", "_pv", "_r")
+
     def __init__(self, PV: int = 0) -> None:
-        self.QU = False
-        self.QD = False
+        self.QU = self.QD = self._r = self._ld = self._cu = self._cd = False
         self.CV = 0
         self._pv = PV
-        self._r = False
-        self._ld = False
-        self._cu = R_TRIG()
-        self._cd = R_TRIG()
 
     def __call__(
         self,
@@ -153,10 +168,19 @@ class CTUD:
         LD: bool | None = None,
         PV: int | None = None,
     ) -> Self:
-        self._pv = self._pv if PV is None else PV
-        self._r = self._r if R is None else bool(R)
-        self._ld = self._ld if LD is None else bool(LD)
-        up, down = self._cu(CLK=CU).Q, self._cd(CLK=CD).Q
+        if PV is not None:
+            self._pv = PV
+        if R is not None:
+            self._r = True if R else False  # noqa: SIM210
+        if LD is not None:
+            self._ld = True if LD else False  # noqa: SIM210
+        up = down = False
+        if CU is not None:
+            up = bool(CU and not self._cu)
+            self._cu = True if CU else False  # noqa: SIM210
+        if CD is not None:
+            down = bool(CD and not self._cd)
+            self._cd = True if CD else False  # noqa: SIM210
         if self._r:
             self.CV = 0
         elif self._ld:
@@ -176,9 +200,12 @@ class CTUD:
 class _Timer:
     """What the timers have in common: pins, and the time since the start, which never exceeds PT."""
 
+    __slots__ = ("Q", "_et_ns", "_in", "_pt", "_pt_ns", "_start_ns")
+
     def __init__(self, PT: float = 0.0) -> None:
         self.Q = False
         self._in = False
+        self._pt = PT
         self._pt_ns = _ns(PT)
         self._start_ns = 0
         self._et_ns = 0
@@ -188,19 +215,21 @@ class _Timer:
         """Elapsed time, s."""
         return self._et_ns * 1e-9
 
-    def _inputs(self, IN: bool | None, PT: float | None) -> bool:
-        """Take the inputs; whether IN has just risen."""
-        before = self._in
-        if PT is not None:
-            self._pt_ns = _ns(PT)
-        if IN is not None:
-            self._in = bool(IN)
-        return self._in and not before
+    def _preset(self, PT: float) -> None:
+        self._pt = PT
+        self._pt_ns = _ns(PT)
 
     def _measure(self) -> bool:
         """Update ET of a running timer; whether PT has passed."""
-        self._et_ns = max(min(now_ns() - self._start_ns, self._pt_ns), 0)
-        return self._et_ns >= self._pt_ns
+        now = MOMENT.now_ns
+        if now < 0:
+            now_ns()  # says what is wrong
+        passed = now - self._start_ns
+        if passed >= self._pt_ns:
+            self._et_ns = self._pt_ns if self._pt_ns > 0 else 0
+            return True
+        self._et_ns = passed if passed > 0 else 0
+        return False
 
 
 class TON(_Timer):
@@ -211,13 +240,21 @@ class TON(_Timer):
             PT
     """
 
+    __slots__ = ()
+
     def __call__(self, IN: bool | None = None, PT: float | None = None) -> Self:
-        if self._inputs(IN, PT):
-            self._start_ns = now_ns()
-        if not self._in:
-            self.Q = False
+        if PT is not None and self._pt != PT:
+            self._preset(PT)
+        if IN is None:
+            IN = self._in
+        if not IN:
+            self._in = self.Q = False
             self._et_ns = 0
-        elif not self.Q:  # reached is reached, even if PT grows later
+            return self
+        if not self._in:
+            self._in = True
+            self._start_ns = now_ns()
+        if not self.Q:  # reached is reached, even if PT grows later
             self.Q = self._measure()
         return self
 
@@ -230,17 +267,22 @@ class TOF(_Timer):
                     PT
     """
 
+    __slots__ = ()
+
     def __call__(self, IN: bool | None = None, PT: float | None = None) -> Self:
-        before = self._in
-        self._inputs(IN, PT)
-        if self._in:
-            self.Q = True
+        if PT is not None and self._pt != PT:
+            self._preset(PT)
+        if IN is None:
+            IN = self._in
+        if IN:
+            self._in = self.Q = True
             self._et_ns = 0
-        else:
-            if before:
-                self._start_ns = now_ns()
-            if self.Q:
-                self.Q = not self._measure()
+            return self
+        if self._in:
+            self._in = False
+            self._start_ns = now_ns()
+        if self.Q:
+            self.Q = not self._measure()
         return self
 
 
@@ -252,8 +294,15 @@ class TP(_Timer):
              PT            PT
     """
 
+    __slots__ = ()
+
     def __call__(self, IN: bool | None = None, PT: float | None = None) -> Self:
-        rising = self._inputs(IN, PT)
+        if PT is not None and self._pt != PT:
+            self._preset(PT)
+        rising = False
+        if IN is not None:
+            rising = bool(IN and not self._in)
+            self._in = True if IN else False  # noqa: SIM210
         if self.Q and self._measure():
             self.Q = False
         if rising and not self.Q:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
+from typing import Any
 
 from runtime.diagnostics.catalogue import plc as catalogue
+from runtime.diagnostics.errors import Place
 from runtime.hli.layout import Axis, Channel, Hli
 from runtime.hli.memory import HliMemory, get_text, put_text
 from runtime.hli.technology import Taken, TechnologyTaker
@@ -14,10 +17,13 @@ from runtime.plc_logic.cycle_time import cycle_at_ns
 from runtime.plc_logic.errors import PlcError, PlcFailure
 from runtime.plc_logic.external import external_of
 from runtime.plc_logic.handlers import NcFunction, nc_function
-from runtime.plc_logic.image import Io
+from runtime.plc_logic.image import Io, io_of
 from runtime.plc_logic.loader import failure
+from runtime.plc_logic.online_change import TakenOver, start_of, take_over
 from runtime.plc_logic.program import ByName, Program
 from runtime.plc_logic.reports import Reports
+from runtime.plc_logic.retained_variables import RetainJournal, declared, starting_values
+from runtime.plc_logic.tasks import Tasks
 
 SPINDLE = 4  # axis_type_r
 
@@ -47,11 +53,24 @@ class _Source:
         self.was_reset = True
 
 
+@dataclass(slots=True)
+class _Running:
+    """A version of the program, and what belongs to it."""
+
+    program: Program
+    io: Io
+    tasks: Tasks
+    retained: dict[str, Any]
+    start: dict[str, Any]  # what its setup has made
+
+
 class PlcHost:
-    """Runs one program: `start`, then `cycle` once per PLC cycle, then `stop`.
+    """Runs one program: `start`, then `cycle` once per PLC cycle, then `stop`; `replace` puts a new version in its place.
 
     `inputs` and `outputs` give the image bit of every name; channels and axes are named in the HLI. `clock_ns`, if
     given, measures how long a cycle takes. `watchdog_us` is the longest gap between two cycles that the CNC accepts.
+    `journal` makes the journal of retained variables, when a program has some; without it they live as long as the host.
+    `wall_ns` gives the time since 1970.
     """
 
     def __init__(
@@ -63,6 +82,8 @@ class PlcHost:
         *,
         watchdog_us: int = 50_000,
         clock_ns: Callable[[], int] | None = None,
+        journal: Callable[[], RetainJournal] | None = None,
+        wall_ns: Callable[[], int] | None = None,
     ) -> None:
         hli = memory.hli
         self._hli: Hli = hli
@@ -70,19 +91,22 @@ class PlcHost:
         self._name = program.__name__
         self._watchdog_us = watchdog_us
         self._clock_ns = clock_ns
+        self._wall_ns = wall_ns
+        self._open_journal = journal
+        self._journal: RetainJournal | None = None
+        self._inputs, self._outputs = inputs, outputs
         self._last_ns: int | None = None
+        self._start_ns = 0
         self._channels: list[Channel] = [hli.channels[i] for i in range(hli.head.channels_r)]
         self._axes: list[Axis] = [hli.axes[i] for i in range(hli.head.axes_r)]
         self._areas: list[Channel | Axis] = [*self._channels, *self._axes]
         self._sources = [_Source(area) for area in self._areas]
-        self._io = Io(hli.image, inputs, outputs)
         self._reports = Reports(hli.platform.lc_error)
         channel_ports = [ChannelPort(channel) for channel in self._channels]
         axis_ports = [SpindlePort(axis) if axis.axis_type_r == SPINDLE else AxisPort(axis) for axis in self._axes]
         self._ports: list[ChannelPort | AxisPort] = [*channel_ports, *axis_ports]
         self._program_type = program
-        self._bound = {
-            "io": self._io,
+        self._bound: dict[str, object] = {
             "external": external_of(hli),
             "channels": channel_ports,
             "axes": ByName("axis", {port.name: port for port in axis_ports}),
@@ -91,7 +115,12 @@ class PlcHost:
             "cycle_time": 0.0,
             "_reports": self._reports,
         }
-        self.program: Program
+        self._running: _Running
+
+    @property
+    def program(self) -> Program:
+        """The program that runs; after `start`."""
+        return self._running.program
 
     @property
     def alarms(self) -> list[str]:
@@ -105,14 +134,12 @@ class PlcHost:
 
     def start(self, time_ns: int) -> None:
         """Make the program, call its setup(), and log on. `time_ns` is the runtime's clock. Raises PlcFailure."""
-        with cycle_at_ns(time_ns):
+        self._start_ns = time_ns
+        with cycle_at_ns(time_ns, self._wall()):
             try:
-                self.program = self._program_type()
-                vars(self.program).update(self._bound)
-                self.program.time = time_ns * 1e-9
                 for area in self._areas:
                     _give_back(area)
-                self.program.setup()
+                self._running = self._made(self._program_type)
             except (Exception, SystemExit) as error:
                 raise self._failed(failure(catalogue.PLC_SETUP_RAISED, self._name, error)) from error
         self._platform.plc_error_id_w = 0
@@ -130,32 +157,17 @@ class PlcHost:
 
         The log-on flags stay: a PLC that failed has not given up its responsibility, so the CNC goes on waiting.
         """
-        request = int(self._platform.plc_cycle_request_r)
-        begin_ns = self._clock_ns() if self._clock_ns is not None else 0
-        program = self.program
-        program.time = time_ns * 1e-9
-        program.cycle_time = 0.0 if self._last_ns is None else (time_ns - self._last_ns) * 1e-9
-        self._last_ns = time_ns
-        with cycle_at_ns(time_ns):
+        cycle = self._begin()
+        with cycle_at_ns(time_ns, self._wall()):
             try:
-                self._io.read_inputs()
-                finished = self._carry_out(time_ns)
-                program.cycle()
+                finished = self._think(self._running, time_ns)
             except PlcFailure as error:
                 raise self._failed(error) from None
             except (Exception, SystemExit) as error:
                 raise self._failed(failure(catalogue.PLC_RAISED, self._name, error)) from error
-        self._io.write_outputs()
-        for taken in finished:  # after the outputs: what is acknowledged has been commanded
-            taken.done()
-        for port in self._ports:
-            port.update()
-        self._reports.update()
-        for channel in self._channels:
-            channel.watchdog.alive_rw = True
-        if self._clock_ns is not None:
-            self._platform.plc_cycle_time_ns_w = self._clock_ns() - begin_ns
-        self._platform.plc_cycle_done_w = request
+            self._reports.update()
+        self._act(self._running, finished)
+        self._end(cycle, time_ns)
 
     def stop(self) -> None:
         """Log off on purpose: the operator gets all units back, and the CNC no longer waits for acknowledgements."""
@@ -165,6 +177,122 @@ class PlcHost:
             channel.watchdog.enable_w = False
         for area in self._areas:
             _give_back(area)
+        if self._journal is not None:
+            self._journal.close()
+
+    # ------------------------------------------------------------------ the versions of the program
+
+    def _made(self, program_type: type[Program]) -> _Running:
+        """A program with everything bound, after its setup. The machine knows nothing of it yet."""
+        program = program_type()
+        io = io_of(program_type, self._hli.image, self._inputs, self._outputs)
+        if self._journal is None and self._open_journal is not None and declared(program_type):
+            self._journal = self._open_journal()
+        retained, problems = starting_values(program_type, self._journal.kept if self._journal else {})
+        bound = {**self._bound, "io": io, "_retained": retained, "_saved": self._saved}
+        vars(program).update(bound)
+        program.time = self._start_ns * 1e-9
+        program.setup()
+        for problem in problems:
+            self._reports.report(problem.entry, problem.text)
+        return _Running(program, io, Tasks(program_type), retained, start_of(program, bound))
+
+    @property
+    def sequences(self) -> list[str]:
+        """The functions whose handlers are sequences under way: they belong to the version that has begun them."""
+        return [str(call.function) for source in self._sources for call in source.calls if call.sequence is not None]
+
+    def replace(self, program_type: type[Program], time_ns: int) -> TakenOver:
+        """A new version takes the state of the present one over and runs this PLC cycle, in the place of `cycle`.
+
+        Raises PlcFailure if its setup or this first cycle fails; then nothing of it has reached outputs and CNC, the old
+        program has lost nothing, and the caller runs the cycle with it.
+        """
+        cycle = self._begin()
+        old, name = self._running, program_type.__name__
+        calls = [(source, list(source.calls)) for source in self._sources]
+        elapsed = self._last_ns
+        with cycle_at_ns(self._start_ns, self._wall()):  # what a setup computes from the time is the same again
+            try:
+                new = self._made(program_type)
+            except (Exception, SystemExit) as error:
+                raise failure(catalogue.PLC_SETUP_RAISED, name, error) from error
+            bound = {**self._bound, "io": new.io, "_retained": None, "_saved": None}
+            try:
+                taken_over = take_over(old.program, old.start, new.program, bound)
+            except ValueError as error:
+                raise PlcFailure(catalogue.PLC_RELOAD_STATE, Place(), "", program=name, what=error) from error
+        for variable in new.retained.keys() & old.retained.keys():
+            if declared(program_type)[variable].fits(old.retained[variable]):
+                new.retained[variable] = deepcopy(old.retained[variable])
+        new.tasks.keep_times_of(old.tasks)
+        new.io.take_outputs_of(old.io)
+        self._running, self._name = new, name
+        with cycle_at_ns(time_ns, self._wall()):
+            try:
+                for source in self._sources:
+                    for call in source.calls:
+                        call.handler = self._handler(call.function)
+                finished = self._think(new, time_ns)
+            except (Exception, SystemExit) as error:
+                self._running, self._name = old, type(old.program).__name__
+                self._last_ns = elapsed
+                for source, before in calls:
+                    source.calls = before + [call for call in source.calls if call not in before]
+                    for call in source.calls:
+                        call.handler, call.sequence = self._handler(call.function), None
+                raise failure(catalogue.PLC_RELOAD_RAISED, name, error) from error
+            self._reports.update()
+        self._act(new, finished)
+        self._end(cycle, time_ns)
+        return taken_over
+
+    def _saved(self) -> bool:
+        return self._journal is None or self._journal.saved
+
+    def _wall(self) -> int:
+        return self._wall_ns() if self._wall_ns is not None else 0
+
+    # ------------------------------------------------------------------ the parts of a cycle
+
+    def _begin(self) -> tuple[int, int]:
+        """The number of the cycle, and when it begins."""
+        return int(self._platform.plc_cycle_request_r), self._clock_ns() if self._clock_ns is not None else 0
+
+    def _end(self, cycle: tuple[int, int], time_ns: int) -> None:
+        """The cycle is over; the CNC may see it."""
+        self._last_ns = time_ns
+        request, begin_ns = cycle
+        if self._clock_ns is not None:
+            self._platform.plc_cycle_time_ns_w = self._clock_ns() - begin_ns
+        self._platform.plc_cycle_done_w = request
+
+    def _think(self, running: _Running, time_ns: int) -> list[Taken]:
+        """Everything the program does in a cycle; the technology functions that are finished."""
+        program = running.program
+        program.time = time_ns * 1e-9
+        program.cycle_time = 0.0 if self._last_ns is None else (time_ns - self._last_ns) * 1e-9
+        Io.read_inputs(running.io)
+        finished = self._carry_out(time_ns)
+        running.tasks.run(program, time_ns)
+        program.cycle()
+        return finished
+
+    def _act(self, running: _Running, finished: list[Taken]) -> None:
+        """Let the machine know. First what must survive: then what is acknowledged has been kept and commanded."""
+        journal = self._journal
+        if journal is not None:
+            journal.commit(running.retained)
+            while journal.problems:
+                problem = journal.problems.pop()
+                self._reports.report(problem.entry, problem.text)
+        Io.write_outputs(running.io)
+        for taken in finished:
+            taken.done()
+        for port in self._ports:
+            port.update()
+        for channel in self._channels:
+            channel.watchdog.alive_rw = True
 
     # ------------------------------------------------------------------ technology functions
 
@@ -177,6 +305,7 @@ class PlcHost:
             was_reset |= source.was_reset
             source.was_reset = False
         if was_reset:
+            self._reports.acknowledge()
             self.program.on_reset()
         finished: list[Taken] = []
         for source in self._sources:
@@ -192,9 +321,12 @@ class PlcHost:
 
     def _call(self, taken: Taken, area: str, time_ns: int) -> _Call:
         function = nc_function(taken.function, area)
+        return _Call(taken, function, self._handler(function), time_ns)
+
+    def _handler(self, function: NcFunction) -> str:
+        """Name of the method that carries it out, "" without."""
         handlers = self.program.handlers
-        name = handlers.get((function.kind, function.number)) or handlers.get((function.kind, None)) or ""
-        return _Call(taken, function, name, time_ns)
+        return handlers.get((function.kind, function.number)) or handlers.get((function.kind, None)) or ""
 
     def _advance(self, call: _Call, time_ns: int) -> bool:
         """One cycle of a function; whether it is finished."""

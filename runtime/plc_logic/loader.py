@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 
@@ -21,11 +22,17 @@ _OWN_FILES = str(Path(__file__).parent)
 TRACE_LINES = 12  # the last ones tell what happened
 
 
-def load_program(reference: str, directory: Path) -> type[Program]:
+def load_program(reference: str, directory: Path, *, anew: bool = False) -> type[Program]:
     """The program class of `reference`; files are looked for in `directory` (that of the machine description).
+
+    `anew`: from what the files contain now, those that the program imports from its folder included; after a failure
+    the modules are what they were.
 
     Raises PlcFailure: missing, syntax error with its line, an error while importing, no or several programs.
     """
+    if anew:
+        with _forgotten(reference.partition(":")[0], directory):
+            return load_program(reference, directory)
     module_name, _, class_name = reference.partition(":")
     module = _load_module(module_name, reference, directory)
     programs = _programs_in(module)
@@ -125,6 +132,35 @@ def _importing(module: ModuleType, file: Path) -> Iterator[None]:
         sys.path.remove(str(file.parent))
         if before is not None:
             sys.modules[module.__name__] = before
+
+
+def _beside(key: str, name: str, directory: Path) -> bool:
+    """Whether a module is one that a program file has imported from its folder; installed packages are none."""
+    file = str(getattr(sys.modules[key], "__file__", None) or "")
+    own = name.endswith(".py") and file.startswith(str(directory.resolve()) + os.sep)
+    return own and not key.startswith("runtime.") and "site-packages" not in file and not file.startswith(sys.prefix)
+
+
+@contextmanager
+def _forgotten(name: str, directory: Path) -> Iterator[None]:
+    """The modules of the program are imported anew inside; if that fails the old ones are there again.
+
+    Compiled files are not trusted: they know their source by size and by seconds, and somebody may be faster than that.
+    """
+    before = {key: sys.modules[key] for key in list(sys.modules) if key == name or _beside(key, name, directory)}
+    for key in before:
+        del sys.modules[key]
+    for module in before.values():
+        with suppress(OSError, AttributeError, NotImplementedError):
+            Path(importlib.util.cache_from_source(str(module.__file__))).unlink()
+    importlib.invalidate_caches()
+    try:
+        yield
+    except BaseException:
+        for key in [key for key in sys.modules if key in before]:
+            del sys.modules[key]
+        sys.modules.update(before)
+        raise
 
 
 def _programs_in(module: ModuleType) -> dict[str, type[Program]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterator, Mapping
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.hli.technology import Kind
@@ -14,7 +14,7 @@ from runtime.plc_logic.errors import PlcError
 from runtime.plc_logic.external import ExternalStructure
 from runtime.plc_logic.handlers import Key
 from runtime.plc_logic.image import Io
-from runtime.plc_logic.reports import Reports
+from runtime.plc_logic.reports import AlarmChange, Reports
 
 T = TypeVar("T")
 
@@ -43,8 +43,8 @@ class ByName(Mapping[str, T], Generic[T]):
 class Program:
     """A PLC program: derive from it, and name the class in the machine description.
 
-    In every PLC cycle the inputs are read, the handlers of the technology functions that wait are called, then
-    `cycle`, and the outputs are written. So `cycle` has the last word: interlocks belong there.
+    In every PLC cycle the inputs are read, the handlers of the technology functions that wait are called, the tasks that
+    are due, then `cycle`, and the outputs are written. So `cycle` has the last word: interlocks belong there.
     """
 
     io: Io
@@ -57,6 +57,8 @@ class Program:
 
     handlers: ClassVar[dict[Key, str]] = {}  # technology function -> name of the method that carries it out
     _reports: Reports
+    _retained: dict[str, Any]
+    _saved: Callable[[], bool]
 
     def __init_subclass__(cls) -> None:
         """Collect the handlers: those of the bases, then the class' own."""
@@ -92,10 +94,10 @@ class Program:
         """The first channel."""
         return self.channels[0]
 
-    def alarm(self, text: str) -> None:
+    def alarm(self, text: str, *, acknowledge: bool = False) -> None:
         """An alarm stands as long as this is called in every cycle; the history gets one line. It stops nothing by
-        itself."""
-        self._reports.report(catalogue.PLC_ALARM, text)
+        itself. With `acknowledge` it stands on until `acknowledge_alarms` or a reset as well."""
+        self._reports.report(catalogue.PLC_ALARM, text, acknowledge=acknowledge)
 
     def warning(self, text: str) -> None:
         """The same as a warning."""
@@ -105,10 +107,29 @@ class Program:
         """The same as a message."""
         self._reports.report(catalogue.PLC_MESSAGE, text)
 
+    def acknowledge_alarms(self) -> None:
+        """The operator has seen them: those whose cause is gone go."""
+        self._reports.acknowledge()
+
     @property
     def alarms(self) -> list[str]:
         """Texts of the alarms, warnings and messages that stand."""
         return self._reports.standing
+
+    @property
+    def unacknowledged(self) -> list[str]:
+        """Texts of the alarms that wait for an acknowledgement."""
+        return self._reports.unacknowledged
+
+    @property
+    def alarm_history(self) -> tuple[AlarmChange, ...]:
+        """What came, went and was acknowledged since the start of the PLC, oldest first."""
+        return tuple(self._reports.history)
+
+    @property
+    def retained_saved(self) -> bool:
+        """What the cycles before have done to retained variables is on the disk; a power loss cannot take it back."""
+        return self._saved()
 
     # ------------------------------------------------------------------ steps of a sequence (handlers that are
     # generators)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from runtime.config.machine import Machine
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
+from runtime.plc_logic.exchange import Loaded, ProgramExchange
 from runtime.plc_logic.host import PlcHost
-from runtime.scheduler.plc_program import load_host
+from runtime.scheduler.plc_program import load_anew, load_host
+
+_EPOCH_NS = 1_000_000_000_000_000_000  # the wall clock of the virtual machine starts here
 
 
 class InlinePlc:
@@ -19,7 +23,9 @@ class InlinePlc:
         self._memory = memory
         self._base = base
         self._host: PlcHost | None = None
+        self._exchange: ProgramExchange | None = None
         self._failed = False
+        self._now_ns = 0
         self.frozen = False  # for tests: as if the process were stopped
 
     @property
@@ -31,14 +37,22 @@ class InlinePlc:
     def wake(self, time: float) -> None:
         if self._failed or self.frozen:
             return
-        time_ns = int(time * 1e9)
+        time_ns = self._now_ns = int(time * 1e9)
         try:
             if self._host is None:
-                self._host = load_host(self._machine, self._base or Path(), self._memory)
+                self._host = load_host(
+                    self._machine, self._base or Path(), self._memory, wall_ns=lambda: _EPOCH_NS + self._now_ns
+                )
                 self._host.start(time_ns)
-            self._host.cycle(time_ns)
+                self._exchange = ProgramExchange(self._host, self._memory.hli, self._load)
+            assert self._exchange is not None
+            self._exchange.cycle(time_ns)
         except PlcFailure:  # the host has told the HLI why
             self._failed = True
+
+    def _load(self) -> Callable[[], Loaded | None]:
+        loaded = load_anew(self._machine, self._base or Path())
+        return lambda: loaded
 
     def restart(self) -> None:
         self._host = None

@@ -26,10 +26,11 @@ from runtime.config.loader import DEMO_MACHINE, ConfigurationError, load_machine
 from runtime.hli.errors import HliError
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
-from runtime.plc_logic.host import PlcHost
+from runtime.plc_logic.exchange import ProgramExchange
 from runtime.scheduler.children import die_with_parent
-from runtime.scheduler.plc_program import load_host
+from runtime.scheduler.plc_program import LoadingBeside, load_host
 from runtime.scheduler.realtime import RefusedError, set_priority
+from runtime.scheduler.retained import state_directory
 
 EXIT_LOAD, EXIT_RAISED, EXIT_NO_HLI, EXIT_CONFIGURATION = 3, 4, 5, 6
 PLC_BELOW = 10  # priorities below the cycle
@@ -52,14 +53,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(EXIT_NO_HLI, error.problem.explained())
     with memory:
         try:
-            host = load_host(machine, path.parent, memory, time.perf_counter_ns)
+            state = state_directory(machine.state_directory, os.environ)
+            host = load_host(
+                machine, path.parent, memory, time.perf_counter_ns, state=state / "plc", wall_ns=time.time_ns
+            )
             host.start(int(memory.hli.head.time_ns_r))
         except PlcFailure as failure:
             return _complain(EXIT_LOAD, failure.problem.explained(), failure.trace)
         with contextlib.suppress(RefusedError):  # the cycle process has told that the host refuses it
             set_priority(max(machine.cycle.priority - PLC_BELOW, 1))
         try:
-            _run(host, memory, options.wake_fd, stop)
+            exchange = ProgramExchange(host, memory.hli, lambda: LoadingBeside(machine, path.parent))
+            _run(exchange, memory, options.wake_fd, stop)
         except PlcFailure as failure:
             return _complain(EXIT_RAISED, failure.problem.explained(), failure.trace)
         host.stop()
@@ -78,7 +83,7 @@ class _StopRequest:
         self.asked = True
 
 
-def _run(host: PlcHost, memory: HliMemory, wake_fd: int, stop: _StopRequest) -> None:
+def _run(exchange: ProgramExchange, memory: HliMemory, wake_fd: int, stop: _StopRequest) -> None:
     """One PLC cycle per request of the CNC. Wake-ups that came while a cycle ran are one: the CNC counts the
     overrun."""
     head, platform = memory.hli.head, memory.hli.platform
@@ -89,7 +94,7 @@ def _run(host: PlcHost, memory: HliMemory, wake_fd: int, stop: _StopRequest) -> 
         if waiter.poll(PATIENCE_MS):
             os.eventfd_read(wake_fd)
             if platform.plc_cycle_request_r != platform.plc_cycle_done_w:
-                host.cycle(int(head.time_ns_r))
+                exchange.cycle(int(head.time_ns_r))
         elif not memory.owner_alive:
             return
         has_run |= bool(head.running_r)

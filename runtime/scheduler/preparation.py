@@ -17,6 +17,7 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits, SpatialArcs
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
+from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
 from runtime.scheduler.outside import RunningMachine
@@ -28,8 +29,8 @@ Source = Callable[[StartOrder, Outside], Iterator[Block]]
 class Preparation:
     """`poll` acts on the waiting order and then moves one batch of blocks; it never blocks on the queue.
 
-    `outside` is what the decoder sees of the machine. `source` takes the place of file and decoder: it makes the blocks of a
-    program that is started.
+    `outside` is what the decoder sees of the machine, `tools` its tool table. `source` takes the place of file and
+    decoder: it makes the blocks of a program that is started.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Preparation:
         link: PreparationLink,
         outside: RunningMachine,
         *,
+        tools: ToolTable | None = None,
         dialect: str = "isg",
         on_block: Callable[[Block], None] | None = None,
         source: Source | None = None,
@@ -48,7 +50,7 @@ class Preparation:
         self._names = machine.channels[channel].axes
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
-        self._memory = ChannelMemory(self._setup)
+        self._memory = ChannelMemory(self._setup, tools)
         self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
         self._axis_limits = AxisLimits.of(axes)

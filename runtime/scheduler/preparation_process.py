@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import time
 from datetime import datetime
@@ -19,6 +20,7 @@ from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent
 from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
+from runtime.scheduler.tool_tables import machine_tools
 
 _IDLE = 0.002  # s between two looks at the link when there is nothing to do
 _FULL = 0.001  # s until the cycle has made room
@@ -46,7 +48,8 @@ def main() -> None:
     link = PreparationLink(n_axes, names.link(arguments.name, arguments.channel), create=False)
     memory = HliMemory.attach(arguments.name)
     outside = RunningMachine(machine, memory.hli, link, now=datetime.now)
-    preparation = Preparation(machine, arguments.channel, queue, link, outside, dialect=arguments.dialect)
+    tools = machine_tools(machine, os.environ)
+    preparation = Preparation(machine, arguments.channel, queue, link, outside, tools=tools, dialect=arguments.dialect)
     link.announce()
     while not stopping:
         state = preparation.poll()

@@ -20,6 +20,7 @@ from runtime.cnc.blocks import Block
 from runtime.cnc.motion_queue import CAPACITY, MotionQueue
 from runtime.cnc.path_preparation import PumpState
 from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity
@@ -35,6 +36,7 @@ from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
 from runtime.scheduler.preparation import BATCH, Preparation
+from runtime.scheduler.tool_tables import listed_tools
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Floats = npt.NDArray[np.float64]
@@ -79,7 +81,8 @@ class Result:
 class Simulation:
     """A machine in virtual time. `cycle` moves it one cycle on; `run_program` does a program from start to end.
 
-    `partner` takes the place of the PLC program that the machine description names; `plc=False` runs without any.
+    `partner` takes the place of the PLC program that the machine description names; `plc=False` runs without any. `tools` are
+    those of the machine's initial list if none are given, and what a program writes into them ends with the simulation.
     """
 
     def __init__(
@@ -94,6 +97,7 @@ class Simulation:
         partner: Callable[[HliMemory], PlcPartner] | None = None,
         base: Path | None = None,
         start_position: Floats | None = None,
+        tools: ToolTable | None = None,
     ) -> None:
         self.machine = machine
         self.period = machine.cycle.period
@@ -112,6 +116,7 @@ class Simulation:
             self.queue,
             self.link,
             self.outside,
+            tools=listed_tools(machine) if tools is None else tools,
             dialect=dialect,
             on_block=self._trace_block if trace else None,
         )

@@ -18,6 +18,7 @@ from runtime.config.loader import DEMO_MACHINE, load_machine
 from runtime.hli.describe import describe_machine
 from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.watchdog import PlcWatchdog
+from runtime.plc_logic.retained_variables import read_journal
 
 PATIENCE = 30.0  # s; only a failing test waits that long
 _numbers = itertools.count()
@@ -147,6 +148,62 @@ def test_a_program_that_raises_leaves_its_traceback(rig: Rig) -> None:
     rig.start(RAISES.replace("/ 0", "/ 1"))
     assert wait_for(lambda: rig.platform.plc_error_id_w == 0)
     assert rig.run_cycle()
+
+
+COUNTS = """
+from runtime.plc_logic import Program, retain
+
+class Mill(Program):
+    total = retain(0)
+
+    def setup(self):
+        self.count = 0
+
+    def cycle(self):
+        self.count += 1
+        self.total += 1
+        self.warning(f"count {self.count}")
+"""
+
+
+def test_the_program_is_replaced_while_the_process_runs(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STATE_DIRECTORY", str(rig.folder / "state"))
+    process = rig.start(COUNTS)
+    assert wait_for(lambda: bool(rig.platform.plc_present_w))
+    for _ in range(5):
+        assert rig.run_cycle()
+    rig.platform.plc_running_r = True  # as the cycle process finds
+    said = [reload_while_cycles_go_on(rig, text) for text in (COUNTS, COUNTS.replace("+= 1", "+= 1 / 0", 1))]
+    assert said[0][0] == 0
+    assert "Mill runs; state kept: count" in said[0][1]
+    assert said[1][0] == 1
+    assert "304069" in said[1][1]
+    assert "self.count += 1 / 0" in said[1][1]
+    assert process.poll() is None
+    assert rig.run_cycle(), "the old one goes on"
+    process.kill()
+    process.wait()
+    _, kept, torn = read_journal(rig.folder / "state" / "plc")
+    assert kept["total"] == rig.platform.plc_cycle_done_w
+    assert torn is None
+
+
+def reload_while_cycles_go_on(rig: Rig, text: str) -> tuple[int, str]:
+    """Exit code and output of `tandem plc reload` for a new text of the program."""
+    (rig.folder / "mill.py").write_text(text)
+    command = [sys.executable, "-m", "runtime.cli.main", "plc", "reload", "--name", str(rig.memory.name)]
+    asked = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    while asked.poll() is None:
+        assert rig.run_cycle()
+        time.sleep(0.002)
+    return asked.returncode, asked.communicate()[0]
+
+
+def test_without_a_running_program_there_is_nothing_to_replace(rig: Rig) -> None:
+    command = [sys.executable, "-m", "runtime.cli.main", "plc", "reload", "--name", str(rig.memory.name)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "304070" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
+from runtime.cnc.decoder.tool_words import data_number, tool_words
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
@@ -169,7 +170,7 @@ class WordBlocks:
             STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))
         for kind in functions.stops:
             x.emit(Stop(x.source, kind))
-        if motion:
+        if motion or x.tools.moved:
             x.block_end()
         if functions.flush:
             x.emit(Flush(x.source, FlushKind.WAIT))
@@ -223,8 +224,8 @@ class WordBlocks:
         if functions.tool_change:
             actions.append(("M6", m, lambda: levels.call_file("M6", m, hidden=True)))
         actions += [(f"G{g.number}", g.column, partial(G_FUNCTIONS[g.number].handler, x, g)) for g in last]
-        if block.tool_data >= 0 and levels.file_of("D"):
-            d = block.column(WordKind.TOOL_DATA)
+        if data_number(x, block, values) is not None and levels.file_of("D"):
+            d = block.column(WordKind.TOOL_DATA if block.tool_data >= 0 else WordKind.TOOL)
             actions.append(("D", d, lambda: levels.call_file("D", d)))
         if len(actions) > 1:
             raise LineError(catalogue.CALL_BESIDE, actions[1][1], word=actions[0][0], other=actions[1][0])
@@ -278,7 +279,4 @@ class WordBlocks:
             if not 0 <= value < math.inf:
                 raise LineError(catalogue.FEED_INVALID, block.column(WordKind.END_FEED), value=value)
             x.end_feed = value * (INCH if modal.inch else 1.0) * x.setup.feed_factor
-        if block.tool_data >= 0:
-            value = values[block.tool_data]
-            if round(value) != 0:
-                raise LineError(catalogue.ADDRESS_UNSUPPORTED, block.column(WordKind.TOOL_DATA), address="D")
+        tool_words(x, block, values)

@@ -29,6 +29,7 @@ from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.steps import Steps
+from runtime.cnc.decoder.tooling import Tooling
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
@@ -103,6 +104,7 @@ class Execution:
         self.frames: list[Frame] = []
         self.out: list[Block] = []
         self.warnings: list[Problem] = []
+        self.tools = Tooling(self)
         self.declaring = False  # between #VAR and #ENDVAR
         self.again: str | None = None  # why the block has to be executed once more, after the outside had its turn
         self.waiting: Any = None  # what a block that is executed again keeps

@@ -172,8 +172,8 @@ class Levels:
 
 
 def restore(x: Execution, saved: ModalState) -> None:
-    """The modal state as it was before a cycle; spindle speed and tool stay."""
-    saved.speed, saved.tool = x.modal.speed, x.modal.tool
+    """The modal state as it was before a cycle; the spindle speed stays."""
+    saved.speed = x.modal.speed
     restore_modal(x, saved)
 
 

@@ -5,6 +5,7 @@
     V.S variables                                         V.P, V.L, V.CYC, @P
     P parameters with P-CHAN-00067, arrays too            P parameters otherwise
     macros (until #INIT MACRO TAB, manual line 26013)     file names of #FILE NAME (line 16103)
+    tool table                                            selected tool, T
     stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
     synchronisation of M and H functions                  loops, modal cycles, single-step locks
 
@@ -22,6 +23,7 @@ from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
+from runtime.cnc.tools.table import MemoryTools, ToolTable
 
 TIMERS = 128  # counters of #TIMER (line 15524)
 ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
@@ -40,10 +42,12 @@ class ChannelMemory:
     """Made once per start of the runtime, handed to every decoder of the channel.
 
     `zero_offsets` (97, n): stored data sets; `zero_enabled` the flags of G160; `macros` those of programs, in front of
-    the configured ones.
+    the configured ones. `tools`: the tool table of the machine; without it an empty one.
     """
 
-    def __init__(self, setup: DecoderSetup) -> None:
+    def __init__(self, setup: DecoderSetup, tools: ToolTable | None = None) -> None:
+        self.tools = MemoryTools() if tools is None else tools
+        self.tool_writes = 0  # V.G.TOOL_LIST_INVOKE
         n = len(setup.axes)
         self.zero_offsets: Floats = np.zeros((ZERO_OFFSET_SETS, n))
         for number in range(53, 60):

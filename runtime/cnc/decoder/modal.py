@@ -59,7 +59,6 @@ class ModalState:
     feeds: dict[FeedMode, float] = field(default_factory=dict)
     radius: float | None = None  # mm, of circles by radius; negative for the longer arc
     speed: float = 0.0  # rev/min of the main spindle
-    tool: int = 0  # last T
     exact_stop: bool = False  # G360, G359
     corner_size: float | None = None  # I of G301 and G302, mm
 

@@ -50,7 +50,7 @@ WORDS: dict[WordKind, tuple[Row, ...]] = {
     WordKind.END_FEED: (Row("E", "E..", "block", "feed at the end of a block"),),
     WordKind.SPEED: (Row("S", "S.. | S<spindle>=..", "modal", "speed of a spindle (rev/min)"),),
     WordKind.TOOL: (Row("T", "T..", "modal", "tool position"),),
-    WordKind.TOOL_DATA: (Row("D", "D0", "modal", "tool data; only D0, none, in this version"),),
+    WordKind.TOOL_DATA: (Row("D", "D..", "modal", "tool data: length, radius, axis offsets; D0: of no tool"),),
     WordKind.M: (Row("M", "M.. | M..=..", "block", "technology function for the PLC, with a value if wanted"),),
     WordKind.H: (Row("H", "H.. | H..=..", "block", "technology function for the PLC, with a value if wanted"),),
     WordKind.G: (

@@ -34,7 +34,8 @@ def switch_rotation(x: Execution, rotation: Rotation | None) -> None:
 
 
 def plane_changed(x: Execution, column: int) -> None:
-    """A rotation does not outlive its plane."""
+    """A rotation does not outlive its plane; the tool length goes over to the third axis of the new one."""
+    x.tools.assigned()
     if x.coordinates.rotation is not None:
         x.warn(catalogue.ROTATION_ENDED, column, number=int(x.modal.plane))
         switch_rotation(x, None)

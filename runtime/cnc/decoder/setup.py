@@ -11,6 +11,7 @@ import numpy as np
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
+from runtime.cnc.tools.setup import ToolSetup
 from runtime.config.channel.parameters import PathKind
 from runtime.config.channel.synchronisation import (
     SYNCH_TYPES,
@@ -105,6 +106,7 @@ class DecoderSetup:
     h_duration: Mapping[int, float] = field(default_factory=dict)  # P-CHAN-00026, s
     tool_duration: float = 0.0  # P-CHAN-00072, s
     tool_synch: Synch = Synch.NO_SYNCH
+    tools: ToolSetup = field(default_factory=ToolSetup)
     program_paths: tuple[Path, ...] = ()
     message_paths: tuple[Path, ...] = ()  # where #MSG SAVE writes, the first one counts
     start_g: tuple[int, ...] = ()  # G functions that hold from program start on (prog_start.g_gruppe)
@@ -181,6 +183,7 @@ class DecoderSetup:
             h_duration={number: time * MICROSECOND for number, time in parameters.h_prozess_zeit.items()},
             tool_duration=parameters.tool.prozess_zeit * MICROSECOND,
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
+            tools=ToolSetup.of(parameters),
             program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),
             message_paths=tuple(Path(folder) for folder in described.folders(PathKind.MESSAGES)),
             feed=parameters.prog_start.feedrate,

@@ -96,7 +96,6 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
         tool = values[block.tool]
         if not 0 <= tool <= VALUE_LIMIT:
             raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
-        modal.tool = round_half_up(tool)
         if setup.tool_synch != Synch.NO_SYNCH:
             number = round_half_up(tool)
             functions.add(

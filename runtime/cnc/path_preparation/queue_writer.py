@@ -39,6 +39,7 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolRadius,
     UserError,
     Wait,
 )
@@ -247,6 +248,8 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
             case BlockEnd():
                 record["kind"] = RecordKind.BLOCK_END
+            case ToolRadius():
+                return record[:0]
             case Flush():
                 return self._flush_records(record, block.kind)
             case Message():

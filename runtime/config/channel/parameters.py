@@ -46,6 +46,8 @@ class ChannelTool(Model):
 
     synch: str = "NO_SYNCH"  # P-CHAN-00086
     prozess_zeit: int = 0  # P-CHAN-00072, µs
+    minimum_length: int = 0  # P-CHAN-00156, 0.1 µm; 0: not checked
+    minimum_radius: int = 0  # P-CHAN-00157, 0.1 µm; 0: not checked
 
 
 class StartFunction(Model):
@@ -158,6 +160,10 @@ class ChannelParameters(Model):
     m_h_pre_outp_nbr_block: int = 50  # P-CHAN-00274
     pre_output_tolerance: int = 0  # P-CHAN-00760, 0.1 µm; 0: not checked
     tool: ChannelTool = ChannelTool()
+    # tools
+    einrechnen_mit_t: bool = False  # P-CHAN-00014, T executes D with its number
+    move_tool_offsets_directly: bool = False  # P-CHAN-00100, D moves the axes at once
+    remain_tool_length_in_ax: bool = False  # P-CHAN-00420, the length stays in Z in every plane
     # spindles and axes
     spdl_anzahl: int = 0  # P-CHAN-00082, number of spindles when given
     spindel: Several[ChannelSpindle] = ()

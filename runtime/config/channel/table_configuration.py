@@ -24,7 +24,7 @@ _OLDER = {"SV": "BLOCK_SEARCH", "SOLLKON": "CONTOUR_VISU", "SYNCHK": "SYNTAX_CHE
 
 # fmt: off
 ROWS = (
-    P(14, "einrechnen_mit_t", "BOOLEAN", "", False, 2573, "1 = a T word implies a D word of the same number"),
+    P(14, "einrechnen_mit_t", "BOOLEAN", "", False, 2573, "1 = a T word implies a D word of the same number", use=Use.USED),
     P(16, "ext_wzv_vorhanden", "BOOLEAN", "", False, 2586, "1 = tool data are requested from an external tool management"),
     P(25, "h_default_outp_ax_name[i]", "STRING", "16", "", 2326,
       "Axis or spindle that an H number programmed plainly acts on", index=((0, 999),), use=Use.USED),
@@ -65,9 +65,9 @@ ROWS = (
     P(107, "h_pre_outp[i]", "UNS32", "", 0, 2311,
       "Early-output distance or time per H number", index=((0, 999),), unit="0.1µm or µs", use=Use.USED),
     P(156, "tool.minimum_length", "UNS32", "", 0, 2391,
-      "Shortest tool length accepted at tool change, else error 21426; 0 off", unit="0.1µm"),
+      "Shortest tool length accepted at tool change, else error 21426; 0 off", unit="0.1µm", use=Use.USED),
     P(157, "tool.minimum_radius", "UNS32", "", 0, 2402,
-      "Smallest tool radius accepted at tool change, else error 21427; 0 off", unit="0.1µm"),
+      "Smallest tool radius accepted at tool change, else error 21427; 0 off", unit="0.1µm", use=Use.USED),
     P(209, "m_h_pre_outp_time_calc_mode", "BOOLEAN", "", False, 2424,
       "Timing model for MET_SVS early output: 0 linear, 1 active slope", use=Use.USED),
     P(212, "m_h_pre_outp_calc_value_to_go", "BOOLEAN", "", False, 2448,

@@ -69,7 +69,6 @@ VALUE_MISSING = ErrorEntry(300027, "{address} has no value", remedy="a number or
 ADDRESS_UNKNOWN = ErrorEntry(
     300028, "address {address!r} is not known", remedy="axes of this channel: {axes}; upper and lower case differ"
 )
-ADDRESS_UNSUPPORTED = ErrorEntry(300029, "address {address!r} is not supported yet")
 AXIS_UNKNOWN = ErrorEntry(
     300030,
     "axis {axis!r} is not an axis of this channel",

@@ -236,3 +236,82 @@ PLC_EXTERNAL_INDEX = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="correct the index, or the dimensions in the description",
 )
+
+# ------------------------------------------------------------------------------------------- the PLC library
+
+PLC_CONVERSION = ErrorEntry(
+    304060,
+    "{value!r} is no {kind}: {why}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="limit or check the value before it is converted",
+)
+PLC_ARGUMENT = ErrorEntry(
+    304061,
+    "{function}: {what}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check the arguments of the function before it is called",
+)
+
+# ------------------------------------------------------------------------------------------- retained variables
+
+PLC_RETAIN_VALUE = ErrorEntry(
+    304062,
+    "retained variable {name} of kind {kind} cannot be {value!r}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="give it a value of the kind it was declared with; lists and dictionaries hold numbers, texts and BOOL",
+)
+PLC_RETAIN_KIND = ErrorEntry(
+    304063,
+    "retained variable {name} was {value!r}, which is no {kind}: it begins with its initial value",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="its declaration has changed; set it again",
+)
+PLC_RETAIN_TORN = ErrorEntry(
+    304064,
+    "the end of {file} is torn, by a power loss or a fault of the disk: its last whole record counts",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="check what the program has counted last",
+)
+PLC_RETAIN_NOT_WRITTEN = ErrorEntry(
+    304065,
+    "retained variables cannot be written to {file}: {reason}",
+    severity=Severity.ERROR,
+    reaction=Reaction.NONE,
+    remedy="make room on the disk and check the rights of the folder; it is tried again",
+)
+
+# ------------------------------------------------------------------------------------------- image, online change
+
+PLC_IO_DIRECTION = ErrorEntry(
+    304066,
+    "{name} is declared as {declared}, but the machine has it as {found}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="correct the declaration of the image, or the machine description (fieldbus.io)",
+)
+PLC_RELOAD_BUSY = ErrorEntry(
+    304067,
+    "PLC program {program} is not replaced: {functions} was being carried out for longer than {seconds:.0f} s",
+    remedy="wait until the sequence has ended, or reset the channel, and reload again",
+)
+PLC_RELOAD_STATE = ErrorEntry(
+    304068,
+    "PLC program {program} is not replaced: the state of the old one does not fit into it: {what}",
+    remedy="restart the PLC to begin with initial values",
+)
+PLC_RELOAD_RAISED = ErrorEntry(
+    304069,
+    "PLC program {program} is not replaced: its first cycle failed: {what}",
+    remedy="the old program goes on; correct the new one and reload again",
+)
+PLC_NOT_RELOADABLE = ErrorEntry(
+    304070,
+    "there is no running PLC program to replace on {name}",
+    remedy="a reset of the channel starts the program, with what its file contains now",
+)
+PLC_RELOAD_NO_ANSWER = ErrorEntry(
+    304071,
+    "the PLC of {name} has not answered within {seconds:.0f} s",
+    remedy="is it running? (tandem hli watch)",
+)

@@ -128,7 +128,7 @@ def test_what_a_cycle_leaves_behind(cycle: str, main: str, setup: object, stays:
     modal = run.decoder.modal
     assert (x, y) == (pytest.approx((10 + 2 * 25.4, 25.4)) if stays else (1, 1))
     assert (modal.feed, modal.inch, modal.zero_offset) == ((2 * 25.4, True, 1) if stays else (100, False, 0))
-    assert (modal.speed, modal.tool) == (50, 3)
+    assert (modal.speed, run.decoder.execution.tools.id.basic) == (50, 3)
 
 
 @pytest.mark.spec("isg.sub.cycle-modal-state")

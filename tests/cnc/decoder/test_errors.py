@@ -13,6 +13,7 @@ import pytest
 from runtime.cnc.blocks import Synch
 from runtime.cnc.decoder import Decoder, DecoderSetupError, ProgramError, SpindleSetup, load_program, parse_synch
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import tools
 from runtime.diagnostics.errors import ErrorEntry, Problem
 from tests.cnc.decoder.programs import SETUP, decode, found, problems, without_spindle
 
@@ -92,7 +93,7 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
 
 # text, entry, line, column; found while decoding
 DYNAMIC: list[tuple[str, ErrorEntry, int, int]] = [
-    ("D1\nM30", C.ADDRESS_UNSUPPORTED, 1, 1),
+    ("D1\nM30", tools.TOOL_MISSING, 1, 1),
     ("X1 F1 $GOTO N10\nM30", C.LABEL_MISSING, 1, 7),
     ("G81\nM30", C.CALL_FILE, 1, 1),
     ("X[V.P.A]\nM30", C.VARIABLE_UNSET, 1, 3),

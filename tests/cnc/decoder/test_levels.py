@@ -12,6 +12,7 @@ import pytest
 from runtime.cnc.blocks import BlockEnd, Synch, TechnologyFunction
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, ProgramError, load_program
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
+from runtime.diagnostics.catalogue import tools
 from tests.cnc.decoder.programs import SETUP, Run, decode
 
 
@@ -123,7 +124,7 @@ def test_file_names_are_changed_at_any_time_and_hold_until_the_end() -> None:
     assert xs("M6\nM30", setup, files) == [1]
 
 
-def test_d0_calls_the_program_of_d_as_last_action_and_other_tool_data_are_refused() -> None:
+def test_d0_calls_the_program_of_d_as_last_action_and_tool_data_that_are_not_there_are_refused() -> None:
     files = {"d.nc": "G00 X2\nM17", "e.nc": "G00 X3\nM17"}
     setup = replace(SETUP, tool_data_program="d.nc")
     assert xs('D0 G00 X1\n#FILE NAME [D="e.nc"]\nD=0\nX4\nM30', setup, files) == [1, 2, 3, 4]
@@ -131,7 +132,7 @@ def test_d0_calls_the_program_of_d_as_last_action_and_other_tool_data_are_refuse
     run = decode("G00 X5\nD1\nM30", setup, files)
     assert [end[0] for end in run.ends] == [5]
     assert run.problem is not None
-    assert (run.problem.entry, run.problem.place.line) == (C.ADDRESS_UNSUPPORTED, 2)
+    assert (run.problem.entry, run.problem.place.line) == (tools.TOOL_MISSING, 2)
     assert problem_of("D0 M6\nM30", replace(setup, tool_change_program="e.nc"), files) is C.CALL_BESIDE
 
 

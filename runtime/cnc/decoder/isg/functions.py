@@ -16,6 +16,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_positions,
     statements_technology,
     statements_timers,
+    statements_tools,
     statements_variables,
     variables_axis,
     variables_channel,
@@ -24,5 +25,6 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     variables_program,
     variables_spindle,
     variables_stamps,
+    variables_tools,
     variables_zero_offsets,
 )

@@ -11,13 +11,11 @@ _STEM = re.compile(r"[.\[]")
 
 KNOWN = {
     # tools (programming manual lines 21099–21177)
-    "V.G.WZ": "tool data",
-    "V.G.WZ_AKT": "tool data",
-    "V.G.WZR": "tool data",
-    "V.G.WZL": "tool data",
-    "V.TOOL": "tool identification",
+    "V.G.WZ[].GOBJECT": "graphic objects of tools",
+    "V.G.WZ[].LINKPOINT": "link points of tools",
+    "V.G.WZ_AKT.GOBJECT": "graphic objects of tools",
+    "V.G.WZ_AKT.LINKPOINT": "link points of tools",
     "V.TLM": "tool life",
-    "V.G.TOOL_LIST_INVOKE": "tool list",
     "V.G.LIMIT.KIN": "limits of the tool centre point",
     # coordinate systems and kinematics (lines 21190–21314, 21453–21458)
     "V.G.BCS_COUNT_DEF": "coordinate systems",
@@ -65,7 +63,6 @@ KNOWN = {
     "V.G.MAX_NC_BLOCKS_AHEAD": "limits of the decoding ahead",
     "V.G.MAX_MOTION_BLOCKS_AHEAD": "limits of the decoding ahead",
     "V.G.MAX_TIME_AHEAD": "limits of the decoding ahead",
-    "V.G.D_AKT": "tool data",
     "V.G.RW": "edge banding",
     # axes (lines 21659–21704)
     "V.A.MESS": "measuring",

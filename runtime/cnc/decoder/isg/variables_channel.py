@@ -136,11 +136,6 @@ def timer(x: Execution, number: float) -> float:
     return x.memory.timers[index_between(number, 0, TIMERS - 1, "V.G.TIMER")]
 
 
-@variable("V.G.T_AKT", "isg.var.g-active-tool", "last T word")
-def tool(x: Execution) -> float:
-    return float(x.modal.tool)
-
-
 @variable("V.G.RANDOM", _VERSION, "a number from 0 to 1, another one at each access")
 def random(x: Execution) -> float:
     """The same row of numbers in every run of a program, so that runs in virtual time can be compared."""

@@ -28,6 +28,7 @@ _ADDED = r"ADD|SUPPRESS[ \t]+OFFSETS"  # the statements that may stand beside ot
 _INLINE = re.compile(rf"#(?:{'|'.join(ADDITIONS)}|{_ADDED})(?![A-Za-z0-9_])", re.IGNORECASE)
 _BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:" + _ADDED + r")(?![A-Za-z0-9_]))", re.IGNORECASE)
 _BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
+_DIRECTION = re.compile(r"([A-Z][A-Za-z0-9_]*?)[ \t]*([+-])[ \t]*\Z")
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
@@ -165,6 +166,10 @@ class StatementParser:
             yield from self._message(syntax, text, position + 1, end)
         elif syntax.form is Form.ASSIGNMENTS:
             yield from self._assignments(syntax, text, position + 1, end)
+        elif syntax.form is Form.PLACES:
+            yield from self._places(syntax, text, position + 1, end)
+        elif syntax.form is Form.DIRECTION:
+            yield self._direction(syntax, text, position + 1, end)
         else:
             yield from self._keys(syntax, text, position + 1, end)
         if text[after:].strip():
@@ -251,6 +256,27 @@ class StatementParser:
                 axes = ", ".join(self._blocks.addresses.axes)
                 raise LineError(catalogue.AXIS_UNKNOWN, column, axis=name, axes=axes)
             yield Argument(left.strip(), start + 1, index=axis, target=self._blocks.written(left, start + 1))
+
+    def _places(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Iterator[Argument]:
+        """1,,P3: the place of each value, from 0, is its `index`."""
+        for place, (start, stop) in enumerate(_parts(text, begin, end)):
+            if text[start:stop].strip():
+                value = expressions.number(
+                    self._blocks.expression(text[start:stop], start + 1), _title(syntax), start + 1
+                )
+                yield Argument("", start + 1, value, index=place)
+
+    def _direction(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Argument:
+        """Z+: the sign is the `text`, the axis the `index`."""
+        start = _skip(text, begin)
+        match = _DIRECTION.match(text, start, end)
+        if match is None:
+            raise self._not_understood(syntax, text, start)
+        axis = self._blocks.addresses.axis(match[1])
+        if axis < 0:
+            axes = ", ".join(self._blocks.addresses.axes)
+            raise LineError(catalogue.AXIS_UNKNOWN, start + 1, axis=match[1], axes=axes)
+        return Argument("", start + 1, text=match[2], index=axis)
 
     def _axes(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
         position = _skip(text, begin)
@@ -478,7 +504,7 @@ _KNOWN_WORDS = """
     EXPL EXPORT EXTCOMP FACE FF FGROUP FILTER FREE FRICTION GANTRY GEAR GET HANDWHEEL HSC IDENT JOG KIN LAH
     LIMIT LOAD LOCK MACHINE MAIN MANUAL MCS MEAS NIBBLE OPTIONAL ORI OTC OVERRIDE PSC PTP PUNCH PUT ROUTE RTCP
     SAVE SCENE SEGMENTATION SET SHIFT SIGNAL SINGLE SINGULARITY SLOPE SPLINE STOP STROKE SYNC SYNCH TANGFEED
-    TLAX TLC TOOL TRACK TRAFO TRANSFORM TRANSVELMIN TRC TURN UNLOCK VECTOR VECTORACC VECTORVEL VIB VOLCOMP WAIT
+    TLC TOOL TRACK TRAFO TRANSFORM TRANSVELMIN TRC TURN UNLOCK VECTOR VECTORACC VECTORVEL VIB VOLCOMP WAIT
     WCS
 """
 _KNOWN = frozenset(_KNOWN_WORDS.split())

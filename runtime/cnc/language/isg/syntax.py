@@ -93,6 +93,8 @@ class Form(Enum):
     VARIABLES = auto()  # V.P.A, P1
     MESSAGE = auto()  # <words> ["text", value, ...]
     ASSIGNMENTS = auto()  # [P1=X, V.P.A=Y]: target = axis
+    PLACES = auto()  # [1,,P3]: values by their place, places may stay empty
+    DIRECTION = auto()  # [Z+]: an axis and a sign
 
 
 @dataclass(frozen=True, slots=True)

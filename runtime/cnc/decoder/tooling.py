@@ -1,0 +1,85 @@
+"""The tool of a running program: what T and D have selected, and what of it stands in the coordinates.
+
+`Execution.tools.radius` is the radius that a radius compensation works with: of the active record, with what the program has
+written over it, mm, signed (a negative one changes the side). Whenever it changes a `ToolRadius` block says so in the stream, so
+that a later stage knows from which block on it holds; a program starts with radius 0.
+
+Selecting a tool moves nothing (programming manual 18536–18565): length and axis offsets are a part of the offsets, which each
+axis takes up with its next absolute word. With P-CHAN-00100 the D word itself moves the axes; `tool_words` makes that motion.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from runtime.cnc.blocks import ToolRadius
+from runtime.cnc.decoder.modal import PLANE_AXES
+from runtime.cnc.tools.tool import NO_TOOL, Tool, ToolId
+
+if TYPE_CHECKING:
+    from runtime.cnc.decoder.execution import Execution
+
+_Z = 2
+
+
+class Tooling:
+    """`active`: the record of the last D word as the program has changed it. `id`: of the last T word."""
+
+    def __init__(self, x: Execution) -> None:
+        self._x = x
+        self.active: Tool = NO_TOOL
+        self.id = ToolId()
+        self.length_axis = _Z if x.setup.tools.length_stays else -1  # of #TLAX, -1: the third axis of the plane
+        self.length_sign = 1.0
+        self.moved = False  # the block in work has moved axes by its D word
+        self._late: set[int] = set()  # axes that never move by a D word itself: see `assigned`
+
+    @property
+    def data(self) -> int:
+        """Number of the active record, 0 with D0."""
+        return self.active.number
+
+    @property
+    def radius(self) -> float:
+        """Radius of the active tool, mm; 0 with D0."""
+        return self.active.radius
+
+    def use(self, tool: Tool) -> dict[int, float]:
+        """Make a record the active one; by how much the offset of each axis that D may move at once has changed."""
+        return self.change(tool)
+
+    def change(self, tool: Tool) -> dict[int, float]:
+        """The data of the active tool change. As `use`."""
+        before = self.active.radius
+        self.active = tool
+        if tool.radius != before:
+            self._x.emit(ToolRadius(self._x.source_in_work(), tool.radius))
+        changed = self.include()
+        return {axis: way for axis, way in changed.items() if axis not in self._late}
+
+    def include(self) -> dict[int, float]:
+        """Bring the data of the active tool into the offsets; the change of each axis, mm or degrees."""
+        coordinates = self._x.coordinates
+        before = coordinates.offsets.tool
+        offsets = [self.active.value("offsets", axis) for axis in range(len(before))]
+        axis = self.length_axis if self.length_axis >= 0 else 3 - sum(PLANE_AXES[self._x.modal.plane])
+        if axis < len(offsets):
+            offsets[axis] += self.length_sign * self.active.length
+        changed = {axis: new - old for axis, (old, new) in enumerate(zip(before, offsets, strict=True)) if new != old}
+        if changed:
+            coordinates.offsets.tool = offsets
+            coordinates.update()
+        return changed
+
+    def assign_length(self, axis: int, sign: float) -> None:
+        """#TLAX: the length acts in an axis, with a sign; -1: in the third axis of the plane."""
+        self.length_axis, self.length_sign = axis, sign
+        self.assigned()
+
+    def assigned(self) -> None:
+        """The plane, or the axis of the length, is another one: the length goes over with the next absolute words.
+
+        The decoder does not know of an axis whether that has come, and a D word that moves at once could move it the wrong way
+        meanwhile: these axes keep to absolute words until the program ends.
+        """
+        self._late |= self.include().keys()
