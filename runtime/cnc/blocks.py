@@ -243,6 +243,10 @@ class TechnologyFunction:
     speed only; `spindle` is the index of the spindle among the channel's spindles, else -1. `area` is the index of the axis
     on whose interface it is put out, among all axes of the machine, -1 for the interface of the channel. `lead` is how far
     ahead of its place it is put out: mm for MEP, seconds for MET types. `duration`: seconds that it is expected to take.
+
+    Of S: `angle` in degrees, where M19 stands; `sense` 3 or 4 the sense of its approach, or of a speed behind an M19 that M3
+    or M4 is still modal for, else 0; `override_off` (G167); `plc_spindle` the logical axis number of a spindle that the PLC
+    moves, else 0.
     """
 
     source: Source
@@ -254,6 +258,10 @@ class TechnologyFunction:
     area: int = -1
     lead: float = 0.0
     duration: float = 0.0
+    angle: float = 0.0
+    sense: int = 0
+    override_off: bool = False
+    plc_spindle: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,6 +333,26 @@ class AxisLimitChange:
 
     source: Source
     limits: AxisLimits
+
+
+class SpindleValue(IntEnum):
+    """What a setting of a spindle is."""
+
+    ACCELERATION = 0  # G130: share of the acceleration and jerk
+    SPEED = 1  # OVERRIDE SPEED_FACT: share of the speed
+    FEED_FORWARD = 2  # G135…G137: weight of the planned speed while positioning
+    GEAR = 3  # G112, M40…M45: number of the stage, from 0
+    HOMING = 4  # G74
+
+
+@dataclass(frozen=True, slots=True)
+class SpindleSetting:
+    """A setting of a spindle when the path is here; `spindle` is its index among the channel's spindles."""
+
+    source: Source
+    spindle: int
+    what: SpindleValue
+    value: float
 
 
 class FlushKind(Enum):
@@ -436,6 +464,7 @@ Block = (
     | Hold
     | Message
     | TimerAction
+    | SpindleSetting
     | ExternalWrite
     | UserError
 )

@@ -23,7 +23,7 @@ import numpy.typing as npt
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.interpolator import Interpolator
-from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings
@@ -462,7 +462,11 @@ class Channel:
         elif kind == _BLOCK_END:
             self.block_counter += 1
         elif kind == _ACTION:
-            self.actions.carry_out(read_record(self.queue, index))
+            record = read_record(self.queue, index)
+            if record.action is ActionKind.SPINDLE:
+                self.functions.set_spindle(record)
+            else:
+                self.actions.carry_out(record)
 
     # ------------------------------------------------------------------ events
 

@@ -79,6 +79,7 @@ class ActionKind(IntEnum):
     TIMER = 1
     EXTERNAL = 2  # an external variable gets its value
     WARNING = 3  # #ERROR without consequences
+    SPINDLE = 4  # a setting of a spindle
 
 
 RECORD = np.dtype(
@@ -121,8 +122,14 @@ RECORD = np.dtype(
         # FUNCTION, FUNCTION_AHEAD
         ("area", "i8"),  # index of the axis on whose interface it is put out, -1: of the channel
         ("lead", "f8"),  # how far ahead, mm or s
+        ("spindle_angle", "f8"),  # degrees, of M19
+        ("sense", "i8"),  # of M19: 3, 4, or 0 for the shorter way
+        ("plc_spindle", "i8"),  # logical axis number of a spindle that the PLC moves, 0 else
         # LINE, ARC, POLYNOMIAL
-        ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
+        (
+            "override_off",
+            "i8",
+        ),  # 1: every override counts as 100 % while the path is on this element (G166); of S: G167
         ("limits", "i8"),  # number of the set of axis limits
         ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
     ],

@@ -2,8 +2,8 @@
 
 Speeds are degrees/s, positive for M3 (clockwise seen along the tool); angles are degrees.
 
-The drive gets speeds. Turning, the planned speed is the set-point. Positioning, the plan leads to the angle, and what the measured
-angle is off it is added:
+The drive gets speeds. Turning, the planned speed is the set-point. Positioning, the plan leads to the angle, and what the
+measured angle is off it is added:
 
     set-point = weight · planned speed + K · (planned angle - measured angle)        bounded, and ramped
 
@@ -16,7 +16,6 @@ stops at the first time the angle comes round that it can brake to.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -28,7 +27,7 @@ DEGREES_PER_SECOND = 6.0  # per rev/min
 SPEED_REACHED = 0.02  # share of the commanded speed
 ZERO_SPEED = 60.0  # degrees/s, 10 rev/min
 TURN = 360.0
-POSITION_WINDOW = 0.1  # degrees around the angle of M19
+LEAST_WINDOW = 0.1  # degrees around the angle of M19
 _GAIN = 20.0  # 1/s, K above
 _SHARE = 0.7  # of acceleration and jerk that a plan to an angle uses; the rest is for what is added to it
 _HAIR = 1e-6  # degrees
@@ -78,6 +77,8 @@ class Spindle:
         self.feed_forward = 1.0  # weight of the planned speed while positioning, G135…G137
         self.acceleration_weight = 1.0  # G130
         self._most = Dynamics(axis.velocity, axis.acceleration, axis.jerk)  # of the gear stage
+        self._stages = [Dynamics(stage.velocity, stage.acceleration, stage.jerk) for stage in axis.gear_stages]
+        self._next_stage = -1  # ordered, waits for standstill
         self._period = period
         self._mover = SingleAxis(self._most, period)
         self._offset = 0.0  # measured angle - angle of the mover
@@ -113,14 +114,20 @@ class Spindle:
         self.speed_factor = self.speed_factor if speed is None else speed
         self._again()
 
-    def select_stage(self, limits: Dynamics) -> bool:
-        """Dynamic data of another gear stage (G112, M40…M45); FALSE, and nothing changes, if the spindle turns."""
-        if not self._mover.standstill:
-            return False
-        self._most = limits
-        self._mover = SingleAxis(limits, self._period, position=self._mover.position)
-        self._again()
-        return True
+    def select_stage(self, stage: int) -> None:
+        """Dynamic data of another gear stage (G112, M40…M45), from 0; they count as soon as the spindle stands."""
+        self._next_stage = stage
+
+    def home(self) -> None:
+        """G74: the encoder is absolute, so the spindle only comes to rest."""
+        self.stop()
+
+    def _change_stage(self) -> None:
+        if self._next_stage < len(self._stages):
+            self._most = self._stages[self._next_stage]
+            self._mover = SingleAxis(self._most, self._period, position=self._mover.position)
+            self._again()
+        self._next_stage = -1
 
     def _again(self) -> None:
         if self.mode is not SpindleMode.M19:
@@ -192,6 +199,9 @@ class Spindle:
                 self._turn()
             return
         self._running = True
+        if self._next_stage >= 0 and mover.standstill:
+            self._change_stage()
+            mover = self._mover
         self._override = 1.0 if self.override_off else override
         mover.step(self._override)
         self.set_point = mover.velocity
@@ -221,7 +231,11 @@ class Spindle:
         """What was ordered is there: the actual speed (degrees/s) within its window, or the angle within its."""
         if self.mode is SpindleMode.M19:
             off = (self.angle - self.target_angle + TURN / 2) % TURN - TURN / 2
-            return self._mover.arrived and abs(off) <= POSITION_WINDOW and abs(actual) <= ZERO_SPEED
+            return (
+                self._mover.arrived
+                and abs(off) <= max(self.axis.in_position, LEAST_WINDOW)
+                and abs(actual) <= ZERO_SPEED
+            )
         wanted = 0.0 if self.mode is SpindleMode.M5 else self.set_point
         window = max(SPEED_REACHED * abs(self.set_point), ZERO_SPEED)
         return self._mover.arrived and abs(actual - wanted) <= window
@@ -229,10 +243,3 @@ class Spindle:
     def standing(self, actual: float) -> bool:
         """Below zero speed."""
         return abs(actual) <= ZERO_SPEED
-
-
-def stages_of(axis: Axis) -> Sequence[Dynamics]:
-    """The dynamic data of the gear stages of a spindle, those of the axis alone if it has none."""
-    if not axis.gear_stages:
-        return (Dynamics(axis.velocity, axis.acceleration, axis.jerk),)
-    return tuple(Dynamics(stage.velocity, stage.acceleration, stage.jerk) for stage in axis.gear_stages)

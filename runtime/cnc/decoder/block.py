@@ -14,6 +14,7 @@ from functools import partial
 
 from runtime.cnc.blocks import Block, Flush, FlushKind, Source, Stop
 from runtime.cnc.decoder import additions, cycles
+from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow
@@ -24,7 +25,7 @@ from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
-from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
+from runtime.cnc.decoder.technology import SUBPROGRAM_END, functions_of
 from runtime.cnc.decoder.tool_words import data_number, tool_words
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
@@ -130,6 +131,7 @@ class WordBlocks:
         x.end_feed = None
         x.feed_change = None
         x.exact_stop = 0
+        x.speed_argument = 0
         x.feed_taken = x.override_off = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)

@@ -24,13 +24,7 @@ class Addresses:
         """Index of an axis, -1 if the channel has none of this name."""
         return self.axes.index(name) if name in self.axes else -1
 
-    def spindle(self, name: str) -> int | None:
-        """Index of a spindle by its own name, -1 for the name of the main spindle, None if there is none of this name.
-
-        Upper and lower case do not matter (line 24456).
-        """
-        wanted = name.upper()
-        if wanted == self.main_name.upper() or (wanted == "S" and self.spindles):
-            own = [index for index, spindle in enumerate(self.spindles) if spindle.upper() == wanted]
-            return -1 if wanted == self.main_name.upper() or not own else own[0]
-        return next((index for index, spindle in enumerate(self.spindles) if spindle.upper() == wanted), None)
+    def has_spindle(self, name: str) -> bool:
+        """A spindle has this name, its own or that of the main spindle; upper and lower case do not matter (line 24456)."""
+        known = {"S", self.main_name.upper(), *(spindle.upper() for spindle in self.spindles)}
+        return bool(self.spindles) and name.upper() in known

@@ -34,6 +34,7 @@ from runtime.cnc.blocks import (
     Polynomials,
     Receiver,
     Source,
+    SpindleSetting,
     Stop,
     StopKind,
     TechnologyFunction,
@@ -237,6 +238,8 @@ class QueueWriter:
                 record["function"], record["number"] = int(block.kind), block.number
                 record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
                 record["area"], record["lead"], record["seconds"] = block.area, block.lead, block.duration
+                record["spindle_angle"], record["sense"] = block.angle, block.sense
+                record["override_off"], record["plc_spindle"] = block.override_off, block.plc_spindle
             case Wait():
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
                 record["synch"] = int(block.kinds)
@@ -257,6 +260,13 @@ class QueueWriter:
             case TimerAction():
                 record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
                 record["value"] = _TIMER_COMMANDS.index(block.command)
+            case SpindleSetting():
+                record["kind"], record["action"], record["spindle"] = (
+                    RecordKind.ACTION,
+                    ActionKind.SPINDLE,
+                    block.spindle,
+                )
+                record["number"], record["value"] = int(block.what), block.value
             case ExternalWrite():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.EXTERNAL
                 record["number"], record["offset"], record["size"] = KINDS.index(block.kind), block.offset, block.size

@@ -6,6 +6,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_feed,
     g_motion,
     g_offsets,
+    g_spindle,
     statements_channel,
     statements_cycles,
     statements_display,

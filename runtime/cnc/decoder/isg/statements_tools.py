@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from runtime.cnc.blocks import Synch, Technology, TechnologyFunction
+from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
-from runtime.cnc.decoder.technology import Functions
 from runtime.cnc.decoder.tool_words import announce, move_at_once, select, select_id
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form

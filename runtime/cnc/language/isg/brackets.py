@@ -57,8 +57,7 @@ def _closing(text: str, opening: int) -> int:
 def _word(parser: BlockParser, name: str, column: int, text: str, begin: int, end: int) -> Word:
     addresses = parser.addresses
     axis = addresses.axis(name)
-    spindle = addresses.spindle(name)
-    if axis < 0 and spindle is None:
+    if axis < 0 and not addresses.has_spindle(name):
         known = ", ".join((*addresses.axes, *addresses.spindles))
         raise LineError(technology.BRACKET_NAME, column, name=name, known=known)
     inner = tuple(_commands(parser, text, begin, end))
@@ -86,20 +85,20 @@ def _command(parser: BlockParser, text: str, match: re.Match[str], end: int) -> 
     name = match.group().upper()
     at = match.end()
     if match.group(2):
-        value = text[at:end].strip()
-        if value.startswith("="):
-            value, at = value[1:], text.index("=", at) + 1
+        given = text[at:end].strip()
+        if given.startswith("="):
+            given, at = given[1:].strip(), text.index("=", at) + 1
         if name == "SRC":
-            return Word(WordKind.KEY, column, name=name, target=value.strip().upper())
-        return Word(WordKind.KEY, column, _expression(parser, text, at, end) if value.strip() else None, name=name)
+            return Word(WordKind.KEY, column, name=name, target=given.upper())
+        return Word(WordKind.KEY, column, _expression(parser, text, at, end) if given else None, name=name)
     if name == "G":
         number = _VALUE_G.match(text, at + len(text[at:end]) - len(text[at:end].lstrip()), end)
         if number is None:
             raise LineError(technology.BRACKET_COMMAND, column, text=text[match.start() : end].strip())
-        given = number.group(2) is not None
-        if not given and text[number.end() : end].strip():
+        assigned = number.group(2) is not None
+        if not assigned and text[number.end() : end].strip():
             raise LineError(technology.BRACKET_COMMAND, column, text=text[match.start() : end].strip())
-        value = _expression(parser, text, number.end(), end) if given else None
+        value = _expression(parser, text, number.end(), end) if assigned else None
         return Word(WordKind.G, column, value, int(number.group(1)))
     kind = WordKind.M if name == "M" else WordKind.H
     equals = _equals(text, at, end)

@@ -337,7 +337,7 @@ class _Builder(Transformer[Token, ParsedBlock]):
         spindles, name = self._addresses.spindles, name or str(token)
         if not spindles:
             raise LineError(catalogue.SPINDLE_MISSING, _column(token), word=name)
-        if len(name) > 1 and name[0] != "@" and self._addresses.spindle(name) is None:
+        if len(name) > 1 and name[0] != "@" and not self._addresses.has_spindle(name):
             raise LineError(catalogue.SPINDLE_UNKNOWN, _column(token), spindle=name, spindles=", ".join(spindles))
 
     # -- jumps, control statements, blocks
