@@ -12,6 +12,7 @@ from enum import Enum, IntEnum, IntFlag
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.dynamic_settings import DynamicSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 
 Floats = npt.NDArray[np.float64]
@@ -314,6 +315,14 @@ class SoftwareLimitChange:
 
 
 @dataclass(frozen=True, slots=True)
+class DynamicsChange:
+    """Other dynamic settings from here on; at program start those of the channel hold. It does not reach the queue."""
+
+    source: Source
+    settings: DynamicSettings
+
+
+@dataclass(frozen=True, slots=True)
 class ToolRadius:
     """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
 
@@ -458,6 +467,7 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | DynamicsChange
     | ToolRadius
     | AxisLimitChange
     | Flush

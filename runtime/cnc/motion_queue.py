@@ -18,6 +18,9 @@ allows by itself: jumps of velocity and acceleration, exact stops, the feed at t
 path velocity may be on the element follows from both and the geometry. `v_limit`, `a_limit`, `j_limit` and `v_entry`
 are the same in one box per element.
 
+What the program itself limits along the path (`path_v`, `path_a`, `path_d`, `path_j`: #VECTOR LIMIT, programmed override
+of rapid moves; 0: nothing) holds beside it; the box has it already. `unwatched`: what does not limit the path on this
+element although the axes would (G115, G116): bits of `dynamic_settings.LookAhead`.
 The coefficients of a polynomial lie in a second array, in the slot of its record. It is written for polynomials only, so
 that lines cost nothing more.
 
@@ -132,6 +135,15 @@ RECORD = np.dtype(
         ),  # 1: every override counts as 100 % while the path is on this element (G166); of S: G167
         ("limits", "i8"),  # number of the set of axis limits
         ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
+        (
+            "path_v",
+            "f8",
+        ),  # greatest path velocity, acceleration, deceleration and jerk that the program allows, 0: any
+        ("path_a", "f8"),
+        ("path_d", "f8"),
+        ("path_j", "f8"),
+        ("unwatched", "i8"),
+        ("brake_late", "i8"),  # 1: a lower feed than that of the element before is reached behind the border (G901)
     ],
     align=True,
 )

@@ -9,10 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.decoder.feed_group import MAIN_GROUP, FeedGroup
+from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits, WeightedPart
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
 from runtime.cnc.tools.setup import ToolSetup
-from runtime.config.channel.parameters import ChannelSpindle, PathKind
+from runtime.config.channel.dynamics import VectorParameters
+from runtime.config.channel.parameters import ChannelParameters, ChannelSpindle, PathKind
 from runtime.config.channel.synchronisation import (
     SYNCH_TYPES,
     SYNCH_VALUES,
@@ -187,6 +190,12 @@ class DecoderSetup:
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
     measuring_type: int = 1  # P-CHAN-00057
+    dynamics: DynamicSettings = USUAL  # at program start
+    vector_limits: VectorLimits = NO_LIMITS  # vector.*: what #VECTOR LIMIT ON takes by itself
+    vector_per_second: bool = False  # P-CHAN-00351: accelerations of #VECTOR LIMIT count per s², not per min²
+    feed_group: FeedGroup = MAIN_GROUP  # P-CHAN-00011, P-CHAN-00096
+    feed_axes_configured: bool = False
+    exact_stop_after_rapid: bool = False  # P-CHAN-00235
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
     main_spindle: int = 0  # index of the configured one
@@ -237,7 +246,7 @@ class DecoderSetup:
             h_duration={number: time * MICROSECOND for number, time in parameters.h_prozess_zeit.items()},
             tool_duration=parameters.tool.prozess_zeit * MICROSECOND,
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
-            tools=ToolSetup.of(parameters),
+            tools=ToolSetup.of(parameters, round(machine.tools.answer_timeout / machine.cycle.period)),
             program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),
             message_paths=tuple(Path(folder) for folder in described.folders(PathKind.MESSAGES)),
             feed=parameters.prog_start.feedrate,
@@ -258,6 +267,12 @@ class DecoderSetup:
             start_program=parameters.start_init_prog_file,
             final_program=parameters.final_prog_file,
             g_programs=parameters.g_prog_files,
+            dynamics=_dynamics(parameters),
+            vector_limits=_vector_limits(parameters.vector),
+            vector_per_second=parameters.vector.per_second,
+            feed_group=_feed_group(parameters, len(axes)),
+            feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
+            exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
@@ -313,6 +328,38 @@ class DecoderSetup:
         """The offset of G53…G59, shape (n,)."""
         offset = self.zero_offsets.get(number)
         return np.zeros(len(self.axes)) if offset is None else offset
+
+
+def _dynamics(parameters: ChannelParameters) -> DynamicSettings:
+    """What holds at program start."""
+    slope = parameters.prog_start.slope
+    profile = slope.profile
+    return DynamicSettings(
+        slope=Slope.TRAPEZ if profile is None else Slope(profile),
+        weighted_acceleration=WeightedPart(slope.acceleration),
+        weighted_ramps=WeightedPart((slope.ramp_time + 1) // 2),
+        path_weights=parameters.dynamic_weighting_active,
+        curve_weights=parameters.curve_dynamic_weighting_active,
+    )
+
+
+def _vector_limits(vector: VectorParameters) -> VectorLimits:
+    return VectorLimits(
+        acceleration=vector.per_square_second("acceleration"),
+        deceleration=vector.per_square_second("deceleration"),
+        radial_acceleration=vector.per_square_second("radial_acceleration"),
+        velocity=vector.velocity / 60.0,
+    )
+
+
+def _feed_group(parameters: ChannelParameters, axes: int) -> FeedGroup:
+    """The axes that F refers to where no #FGROUP stands."""
+    if parameters.feed_to_weakest_axis:
+        return FeedGroup(weakest=True)
+    if not parameters.feed_axes_configured:
+        return FeedGroup()
+    chosen = parameters.feed_axes(axes)
+    return FeedGroup(tuple(1.0 if axis in chosen else 0.0 for axis in range(axes)))
 
 
 def _table(texts: Mapping[int, str], name: str) -> dict[int, Synch]:
