@@ -221,6 +221,8 @@ class Polynomials:
     plane: tuple[int, int] | None = None
     end_feed: float | None = None
     override_off: bool = False
+    constant_velocity: bool = False  # every element as slow as the slowest of the run
+    check_jerk: bool = True  # False: the change of curvature may cause any jerk
 
     @property
     def start(self) -> Floats:
@@ -314,12 +316,132 @@ class SoftwareLimitChange:
     limits: tuple[tuple[float, float], ...]
 
 
+class Approach(IntEnum):
+    """How radius compensation begins and ends, by its G function."""
+
+    TANGENTIAL = 5
+    DIRECT = 138
+    INDIRECT = 139
+    ON_PATH = 236
+    PERPENDICULAR = 237
+    INSIDE_CORNER = 238
+    WITHOUT_BLOCK = 239
+
+
+@dataclass(frozen=True, slots=True)
+class Segments:
+    """#TRC SPLIT: the approach (`pre`) and the exit (`post`) run in segments of their own feed; (mm, mm/min) each.
+
+    `axis` is the index of the axis along which the lengths are measured, None for the path.
+    """
+
+    pre: bool
+    post: bool
+    axis: int | None
+    first: tuple[float, float]
+    second: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CompensationSettings:
+    """What G functions and #TRC choose for radius compensation; the defaults are the initial state of a program."""
+
+    circular: bool = False  # G26: arcs around outside corners
+    adapt_feed: bool = False  # G11: F counts at the cutting edge
+    masking: bool = False  # G141
+    convert_arcs: bool = False  # CONV_CIR_TO_LIN
+    kerf_masking: bool = False
+    reverse: bool = False
+    ignore_damage: bool = False  # IGNORE_CONT_DAMAGE
+    remove_masked: bool = False  # REMOVE_MASKED_BLOCKS
+    extended_limit: bool = False  # EXT_ANGLE_BLOCK_INTERSECTION
+    stretch: float = 1.0  # STRETCH_FACTOR, radii
+    perpendicular_change: bool = False  # PERPENDICULAR_RADIUS_CHANGE
+    line_on_path: bool = False  # G236_LIN
+    suppress: bool = False  # SUPPRESS_TRC
+    segments: Segments | None = None  # SPLIT, SPLIT_PATH
+
+
+@dataclass(frozen=True, slots=True)
+class RadiusCompensation:
+    """G40, G41, G42 and everything that changes while they hold: what is valid from here on.
+
+    `side` is +1 where the tool runs left of the contour on the machine, -1 right of it, 0 on it. Taken by the stage of radius
+    compensation; it does not reach the queue.
+    """
+
+    source: Source
+    side: int
+    approach: Approach
+    plane: tuple[int, int]
+    settings: CompensationSettings = CompensationSettings()
+
+
 @dataclass(frozen=True, slots=True)
 class DynamicsChange:
     """Other dynamic settings from here on; at program start those of the channel hold. It does not reach the queue."""
 
     source: Source
     settings: DynamicSettings
+
+
+class ContourMethod(Enum):
+    """How a corner is replaced by a curve (#CONTOUR MODE)."""
+
+    DEVIATION = "DEV"
+    DISTANCE = "DIST"
+    SOFT = "DIST_SOFT"  # laid out for the acceleration of the axes
+    POINT = "POS"  # through an interim point
+
+
+class ContourAction(Enum):
+    """Where the path is at the border between two blocks with a curve between them."""
+
+    BEFORE = "PRE_ACTION"
+    WITHIN = "INTER_ACTION"
+    BEHIND = "POST_ACTION"
+
+
+@dataclass(frozen=True, slots=True)
+class Contouring:
+    """Settings of contouring: lengths in mm, angles in degrees, shares from 0 to 1.
+
+    `before`, `behind`: corner distances of DISTANCE, POINT and SOFT (infinite: not watched). `tracking_deviation`: 0 is not
+    watched. `tracking_distance` (SOFT): infinite is not watched. `relevant`, `relevant_tracking`: shorter blocks are skipped.
+    `remain`: share of a block that stays. `point`: machine coordinates of the main axes, the corner's own where None.
+    `greatest_acceleration`, `least_acceleration`, `ramp_time`: of SOFT. `check_jerk` 0 lets curvature cause any jerk.
+    """
+
+    method: ContourMethod = ContourMethod.DEVIATION
+    deviation: float = 1.0
+    before: float = 1.0
+    behind: float = 1.0
+    tracking_deviation: float = 0.0
+    tracking_distance: float = 1.0
+    relevant: float = 0.0
+    relevant_tracking: float = 0.0
+    remain: float = 0.0
+    greatest_angle: float = 178.0
+    point: tuple[float | None, float | None, float | None] = (None, None, None)
+    greatest_acceleration: float = 1.0
+    least_acceleration: float = 0.5
+    ramp_time: float = 1.0
+    check_jerk: int = 1
+    constant_velocity: bool = False
+    action: ContourAction = ContourAction.WITHIN
+
+
+@dataclass(frozen=True, slots=True)
+class ContourChange:
+    """Contouring at the ends of the motions from here on, None: none. Taken by the stage; it does not reach the queue.
+
+    `once`: for the motions of the line of `source` only. `keeps`: the corner before it is not concerned.
+    """
+
+    source: Source
+    contouring: Contouring | None
+    once: bool = False
+    keeps: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -427,6 +549,29 @@ class TimerAction:
     timer: int
 
 
+class LifeCommand(Enum):
+    """What happens to the record of tool life."""
+
+    CHANGE = "T"  # the record of the tool before is told, that of another tool begins
+    READ = "#TOOL LIFE READ"  # it is told as that of a tool, and goes on
+    REMOVE = "#TOOL LIFE REMOVE"  # it begins at 0
+    DEFINE = "#TOOL LIFE DEF"  # it goes on from `time` and `distance`
+    WEIGHT = "V.TLM"  # `time` and `distance` are factors from here on
+
+
+@dataclass(frozen=True, slots=True)
+class ToolLifeAction:
+    """The record of tool life, when the path is here. `time` in s, `distance` in mm; factors for WEIGHT."""
+
+    source: Source
+    command: LifeCommand
+    basic: int = 0
+    sister: int = 0
+    variant: int = 0
+    time: float = 0.0
+    distance: float = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class ExternalWrite:
     """A synchronous external variable gets its value when the path is here; `offset` in bytes into the V.E area.
@@ -468,6 +613,8 @@ Block = (
     | BlockEnd
     | SoftwareLimitChange
     | DynamicsChange
+    | RadiusCompensation
+    | ContourChange
     | ToolRadius
     | AxisLimitChange
     | Flush
@@ -475,6 +622,7 @@ Block = (
     | Message
     | TimerAction
     | SpindleSetting
+    | ToolLifeAction
     | ExternalWrite
     | UserError
 )

@@ -83,6 +83,7 @@ class ActionKind(IntEnum):
     EXTERNAL = 2  # an external variable gets its value
     WARNING = 3  # #ERROR without consequences
     SPINDLE = 4  # a setting of a spindle
+    TOOL_LIFE = 5
 
 
 RECORD = np.dtype(

@@ -21,7 +21,9 @@ class QueueRecord(NamedTuple):
     - a setting of a spindle: what it is (SpindleValue), and the value; `spindle` which one;
     - a timer: its number, and its command (position in `TimerCommand`);
     - an external variable: its type (position in `runtime.hli.external.KINDS`), and its value; `offset` and `size` in bytes;
-    - an error: its number, and its remedy class.
+    - an error: its number, and its remedy class;
+    - tool life: its command (position in `LifeCommand`), and the distance (mm) or its factor; `seconds` the time (s) or its
+      factor; `offset`, `size`, `feed`: basic, sister and variant number.
     """
 
     kind: RecordKind

@@ -23,11 +23,12 @@ from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
 from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
+from runtime.cnc.decoder.radius_compensation import FORBIDDEN_G, expect_none, forbids
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, functions_of
-from runtime.cnc.decoder.tool_management import give_back_at_start
+from runtime.cnc.decoder.tool_management import begin_with_tools
 from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
 from runtime.cnc.dynamic_settings import USUAL
 from runtime.cnc.language.errors import ProgramError
@@ -38,6 +39,7 @@ from runtime.cnc.language.isg.macros import check_content
 from runtime.cnc.language.isg.syntax import Group
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import technology
 
 _FIRST = (Group.PLANE, Group.UNIT, Group.DIMENSION, Group.FEED_MODE)  # they say how the arguments of others count
 
@@ -58,7 +60,7 @@ class WordBlocks:
         if self._x.dynamics != USUAL:
             self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
         select_zero_offset(self._x, self._x.memory.zero_default)
-        give_back_at_start(self._x)
+        begin_with_tools(self._x)
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
@@ -121,6 +123,8 @@ class WordBlocks:
         if block.statement is not None:
             slots = block.statement
             x.levels.entered = False
+            if forbids(slots.statement.syntax.name):
+                expect_none(x, "#" + slots.statement.syntax.name, slots.statement.column)
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
             if x.again is None:
                 if block.beside is not None:
@@ -138,8 +142,7 @@ class WordBlocks:
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
-        x.exact_stop = 0
-        x.speed_argument = 0
+        x.exact_stop = x.compensation.tangential = x.speed_argument = 0
         x.feed_taken = x.override_off = x.brake_in_front = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
@@ -154,6 +157,8 @@ class WordBlocks:
             if before:
                 STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
         for call in calls:
+            if call.number in FORBIDDEN_G:
+                expect_none(x, f"G{call.number}", call.column)
             if not G_FUNCTIONS[call.number].last:
                 G_FUNCTIONS[call.number].handler(x, call)
         if block.radius >= 0 and not x.radius_taken:
@@ -168,6 +173,7 @@ class WordBlocks:
         self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values, calls: list[GCall]
     ) -> None:
         x = self._x
+        x.compensation.follow(x)
         functions = functions_of(block, values, x)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         for before in functions.leading():
@@ -188,6 +194,8 @@ class WordBlocks:
         if motion or x.tools.moved:
             x.block_end()
         if functions.flush:
+            if x.compensation.active or x.smoothing.contouring_on:
+                raise LineError(technology.FLUSH_BARRED, block.column(WordKind.M))
             x.emit(Flush(x.source, FlushKind.WAIT))
         if block.goto is not None:  # a call in the same block is executed before the program goes on there
             self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)

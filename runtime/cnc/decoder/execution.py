@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, Contouring, ExactStop, Floats, Polyline, Source
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -27,8 +27,10 @@ from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Motion, Plane
 from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.smoothing import Smoothing
 from runtime.cnc.decoder.spindles import Spindles
 from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.tooling import Tooling
@@ -104,6 +106,7 @@ class Execution:
         self.corner_parameters: CornerDeceleration | None = None  # of #CORNER PARAM
         self.tangential_radius = 0.0  # mm, of #TANGFEED: arcs below it keep their feed with G11
         self.feed_group: FeedGroup = setup.feed_group
+        self.smoothing = Smoothing(Contouring(check_jerk=setup.poly_jerk))
         self.coordinates = Coordinates.at(start)
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)
@@ -154,6 +157,7 @@ class Execution:
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.last_rotation: Rotation | None = None  # what #ROTATION ON goes on from
         self.contour_lines = ContourLines()
+        self.compensation = Compensation()
         self.waiting_line: WaitingLine | None = None  # what `line_waits` tells of
         self.file_names: dict[str, str] = {}  # of #FILE NAME, by function: MSG, M6, D, G80 …
         self.report_backups = Backups()
@@ -176,6 +180,8 @@ class Execution:
         """Hand over a block, behind the moves that were collected before it."""
         if self._run_feeds:
             self.flush_run()
+        if self.compensation.watches:
+            self.compensation.note(self, block)
         self.out.append(block)
 
     def block_end(self) -> None:
@@ -283,6 +289,7 @@ class Execution:
             and not self.line_waits
             and self.path_start is None
             and not self.modal.exact_stop
+            and not self.compensation.watches
         )
 
     def take_path_start(self) -> list[float]:

@@ -203,7 +203,10 @@ class DecoderSetup:
     gear_change: bool = False  # P-CHAN-00052
     spindle_m_free: bool = False  # P-CHAN-00098
     areas: Mapping[str, int] = field(default_factory=dict)  # axis of the channel → index among those of the machine
+    poly_jerk: int = 1  # P-CHAN-00110
+    contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
+    radius_compensation: bool = True  # P-CHAN-00092
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -274,6 +277,8 @@ class DecoderSetup:
             feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
             exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
+            poly_jerk=parameters.check_jerk_on_poly_path,
+            contouring_inch=bool(parameters.contouring_consider_inch),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,
@@ -288,6 +293,7 @@ class DecoderSetup:
                 )
             ),
             hide_cycles=bool(parameters.suppress_cycle_logging),
+            radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,
         )
 
     @property

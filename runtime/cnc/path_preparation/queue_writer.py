@@ -29,6 +29,7 @@ from runtime.cnc.blocks import (
     Flush,
     FlushKind,
     Hold,
+    LifeCommand,
     Line,
     Message,
     Polyline,
@@ -41,6 +42,7 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolLifeAction,
     ToolRadius,
     UserError,
     Wait,
@@ -73,6 +75,7 @@ _STOPS = {
 
 _RECEIVERS = tuple(Receiver)
 _TIMER_COMMANDS = tuple(TimerCommand)
+_LIFE_COMMANDS = tuple(LifeCommand)
 
 
 class PumpState(Enum):
@@ -274,6 +277,11 @@ class QueueWriter:
                     block.spindle,
                 )
                 record["number"], record["value"] = int(block.what), block.value
+            case ToolLifeAction():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.TOOL_LIFE
+                record["number"] = _LIFE_COMMANDS.index(block.command)
+                record["offset"], record["size"], record["feed"] = block.basic, block.sister, block.variant
+                record["seconds"], record["value"] = block.time, block.distance
             case ExternalWrite():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.EXTERNAL
                 record["number"], record["offset"], record["size"] = KINDS.index(block.kind), block.offset, block.size
@@ -492,8 +500,9 @@ class QueueWriter:
             moving = (fitted.tables[there][:, 1:MAP, : self._axes] != 0.0).any(axis=1)
             feed, share = self._overridden(feed, rapid, moving, True)
             limited = self._limits.polynomials(
-                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before
-            )
+                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before,
+                check_jerk=block.check_jerk, constant_velocity=block.constant_velocity,
+            )  # fmt: skip
             self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
             self._before, self._place = limited.after, ends[-1]
         self._tables = fitted.tables[kept]

@@ -111,7 +111,7 @@ ROWS = (
     P(91, "versch_im_durchm", "BOOLEAN", "", False, 3037,
       "1 = zero/reference offsets of the facing axis are given as diameters", use=Use.USED),
     P(92, "wrk_im_kanal_vorhanden", "BOOLEAN", "", False, 4232,
-      "1 = tool radius compensation exists in this channel", use=Use.HARMLESS),
+      "1 = tool radius compensation exists in this channel", use=Use.USED),
     P(93, "aep.wz_daten", "BOOLEAN", "", False, 4185, "1 = log tool data changes", use=Use.HARMLESS),
     P(95, "log_number_tracking_axis", "UNS16", "1..MAX", 0, 3402,
       "Logical number of the axis tracked tangentially to the path (C axis tracking)"),

@@ -233,11 +233,11 @@ RADIUS_FULL_CIRCLE = ErrorEntry(
     source="programming manual line 2412",
 )
 CENTRE_DEVIATION = ErrorEntry(
-    300096,
+    20035,
     "circle centre would have to move by {shift:.6g} mm to fit start and target, allowed are {limit:.6g} mm",
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="check {letters}, the target, and G161/G162",
-    source="P-CHAN-00059, P-CHAN-00060",
+    source="programming manual line 19635; P-CHAN-00059, P-CHAN-00060",
 )
 RADIUS_ZERO = ErrorEntry(300097, "the circle has radius 0", reaction=Reaction.STOP_AT_BLOCK_END)
 RADIUS_RANGE = ErrorEntry(

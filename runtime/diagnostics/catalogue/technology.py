@@ -16,6 +16,13 @@ PRE_OUTPUT_VALUE = ErrorEntry(
     remedy="at least 0, and at most 429496 mm or 4294 s",
     source="programming manual line 21370",
 )
+FLUSH_BARRED = ErrorEntry(
+    300719,
+    "a function with FAW_SYNCH is not allowed while tool radius compensation or contouring is selected",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="deselect them before, or configure the function without FAW_SYNCH",
+    source="channel parameters, line 1858",
+)
 _SPECIFIC = "programming manual, line 24444"
 BRACKET_OPEN = ErrorEntry(300702, "the bracket is not closed", source=_SPECIFIC)
 BRACKET_NAME = ErrorEntry(
@@ -99,7 +106,7 @@ SPINDLE_WORD_NEEDED = ErrorEntry(
     300718, "G{number} of a spindle needs its name and a value", remedy="G{number} S1", source="programming manual"
 )
 HOMING_WITH_M = ErrorEntry(
-    300719, "G74 of a spindle and a spindle M function exclude each other", source="programming manual, line 24390"
+    300720, "G74 of a spindle and a spindle M function exclude each other", source="programming manual, line 24390"
 )
 MICRO_JOINT = ErrorEntry(
     300701,

@@ -293,3 +293,10 @@ def test_motion_stays_between_its_functions() -> None:
     run = decode("G01 X10 F100 S2[M3 REV10] M13\nM30", SETUP)
     assert [word(b) for b in run.blocks[:-1]] == ["S1.3=10", "Line", "M13", "Wait", "BlockEnd"]
     assert isinstance(run.blocks[1], Line)
+
+
+@pytest.mark.spec("chan.mh.faw-sync")
+def test_a_stop_of_decoding_is_barred_under_radius_compensation() -> None:
+    setup = replace(SETUP, m_synch={**SETUP.m_synch, 15: Synch.MVS_SNS | Synch.FAW_SYNCH})
+    assert stream("M15\nM30", setup) == ["M15", "Wait", "Flush"]
+    assert refused("G41 G01 X10 F100\nX20 M15\nG40 X30\nM30", setup) is T.FLUSH_BARRED

@@ -1,11 +1,13 @@
 """All registrations of the dialect: importing this module fills the tables."""
 
 from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is named after
+    contouring,
     g_calls,
     g_coordinates,
     g_feed,
     g_motion,
     g_offsets,
+    g_radius_compensation,
     g_spindle,
     g_transition,
     g_weights,
@@ -19,8 +21,10 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_files,
     statements_messages,
     statements_positions,
+    statements_radius_compensation,
     statements_technology,
     statements_timers,
+    statements_tool_life,
     statements_tools,
     statements_variables,
     variables_axis,

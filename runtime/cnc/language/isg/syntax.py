@@ -36,6 +36,12 @@ class Group(Enum):
     CORNER_DECELERATION = "corner deceleration"
     LOOK_AHEAD = "look-ahead"
     FEED_FORWARD = "feedforward control"  # 21
+    COMPENSATION = "radius compensation"
+    APPROACH = "approach of the radius compensation"
+    OUTSIDE_CORNER = "outside corners of the radius compensation"
+    COMPENSATED_FEED = "feed of the radius compensation"
+    MASKING = "contour masking"
+    CONTOURING = "polynomial contouring"
     NONE = ""  # excludes nothing
 
 
