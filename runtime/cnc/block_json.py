@@ -22,6 +22,7 @@ from runtime.cnc.blocks import (
     Polynomials,
     Source,
     SpatialArc,
+    SpindleSetting,
     Stop,
     TechnologyFunction,
     TimerAction,
@@ -73,6 +74,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         row |= {"number": block.number, "value": block.value, "synch": block.synch.name}
         if block.spindle >= 0:
             row["spindle"] = block.spindle
+            if block.number == 19:
+                row["angle"] = block.angle
         yield row
     elif isinstance(block, Stop):
         yield {**_source(block.source, "stop"), "kind": block.kind.value}
@@ -98,6 +101,9 @@ def _action(block: Block) -> Iterator[Row]:
             yield row | {"time": block.time, "distance": block.distance}
         case ToolRadius():
             yield {**_source(block.source, "tool radius"), "radius": block.radius}
+        case SpindleSetting():
+            row = _source(block.source, "spindle")
+            yield row | {"spindle": block.spindle, "what": block.what.name.lower(), "value": block.value}
         case TimerAction():
             yield {**_source(block.source, "timer"), "command": block.command.value, "timer": block.timer}
         case ExternalWrite():

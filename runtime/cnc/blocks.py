@@ -247,6 +247,10 @@ class TechnologyFunction:
     on whose interface it is put out, among all axes of the machine, -1 for the interface of the channel. `lead` is how far
     ahead of its place it is put out: mm for MEP, seconds for MET types. `duration`: seconds that it is expected to take.
     For T `number` is the basic number of the tool; `sister` and `variant` are 0 for none.
+
+    Of S: `angle` in degrees, where M19 stands; `sense` 3 or 4 the sense of its approach, or of a speed behind an M19 that M3
+    or M4 is still modal for, else 0; `override_off` (G167); `plc_spindle` the logical axis number of a spindle that the PLC
+    moves, else 0.
     """
 
     source: Source
@@ -260,6 +264,10 @@ class TechnologyFunction:
     duration: float = 0.0
     sister: int = 0
     variant: int = 0
+    angle: float = 0.0
+    sense: int = 0
+    override_off: bool = False
+    plc_spindle: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -461,6 +469,26 @@ class AxisLimitChange:
     limits: AxisLimits
 
 
+class SpindleValue(IntEnum):
+    """What a setting of a spindle is."""
+
+    ACCELERATION = 0  # G130: share of the acceleration and jerk
+    SPEED = 1  # OVERRIDE SPEED_FACT: share of the speed
+    FEED_FORWARD = 2  # G135…G137: weight of the planned speed while positioning
+    GEAR = 3  # G112, M40…M45: number of the stage, from 0
+    HOMING = 4  # G74
+
+
+@dataclass(frozen=True, slots=True)
+class SpindleSetting:
+    """A setting of a spindle when the path is here; `spindle` is its index among the channel's spindles."""
+
+    source: Source
+    spindle: int
+    what: SpindleValue
+    value: float
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -659,6 +687,7 @@ Block = (
     | Hold
     | Message
     | TimerAction
+    | SpindleSetting
     | ToolLifeAction
     | ExternalWrite
     | UserError

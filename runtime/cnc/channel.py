@@ -574,6 +574,8 @@ class Channel:
             record = read_record(self.queue, index)
             if record.action in ACTIONS:
                 self.beside.act(record)
+            elif record.action is ActionKind.SPINDLE:
+                self.functions.set_spindle(record)
             else:
                 place = self._place_of(index) if record.action is ActionKind.TOOL_LIFE else 0.0
                 self.actions.carry_out(record, place)

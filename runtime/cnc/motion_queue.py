@@ -86,7 +86,8 @@ class ActionKind(IntEnum):
     TIMER = 1
     EXTERNAL = 2  # an external variable gets its value
     WARNING = 3  # #ERROR without consequences
-    TOOL_LIFE = 4
+    SPINDLE = 4  # a setting of a spindle
+    TOOL_LIFE = 5
     MANUAL_ON = 20  # G201
     MANUAL_PARAMETER = 21
 
@@ -131,8 +132,14 @@ RECORD = np.dtype(
         # FUNCTION, FUNCTION_AHEAD
         ("area", "i8"),  # index of the axis on whose interface it is put out, -1: of the channel
         ("lead", "f8"),  # how far ahead, mm or s
+        ("spindle_angle", "f8"),  # degrees, of M19
+        ("sense", "i8"),  # of M19: 3, 4, or 0 for the shorter way
+        ("plc_spindle", "i8"),  # logical axis number of a spindle that the PLC moves, 0 else
         # LINE, ARC, POLYNOMIAL
-        ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
+        (
+            "override_off",
+            "i8",
+        ),  # 1: every override counts as 100 % while the path is on this element (G166); of S: G167
         ("limits", "i8"),  # number of the set of axis limits
         ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
         (

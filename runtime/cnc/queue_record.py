@@ -20,6 +20,7 @@ class QueueRecord(NamedTuple):
 
     - a message: 1 if it goes to the PLC, and 1 if it is information; `size` its receiver (position in `Receiver`);
     - the gate of a message: how many messages for the PLC stand up to here, and 1 if its receiver has to take it first;
+    - a setting of a spindle: what it is (SpindleValue), and the value; `spindle` which one;
     - a timer: its number, and its command (position in `TimerCommand`);
     - an external variable: its type (position in `runtime.hli.external.KINDS`), and its value; `offset` and `size` in bytes;
     - an error: its number, and its remedy class;
@@ -48,6 +49,10 @@ class QueueRecord(NamedTuple):
     program: int
     area: int
     lead: float
+    angle: float  # of M19, degrees
+    sense: int
+    override_off: bool
+    plc_spindle: int
 
 
 def read_record(queue: MotionQueue, index: int) -> QueueRecord:
@@ -64,7 +69,7 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
         number=int(record["number"]),
         value=float(record["value"]),
         synch=Synch(int(record["synch"])),
-        spindle=int(record["spindle"]) if function else -1,
+        spindle=int(record["spindle"]) if function or kind is RecordKind.ACTION else -1,
         reason=GateReason(int(record["reason"])) if kind is RecordKind.GATE else GateReason.WAIT,
         seconds=float(record["seconds"]),
         feed=float(record["feed"]),
@@ -75,4 +80,8 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
         program=int(record["program"]),
         area=int(record["area"]),
         lead=float(record["lead"]),
+        angle=float(record["spindle_angle"]),
+        sense=int(record["sense"]),
+        override_off=bool(record["override_off"]),
+        plc_spindle=int(record["plc_spindle"]),
     )

@@ -140,6 +140,14 @@ class HomingSetup(Model):
     way: Annotated[Length, Field(gt=0)] | None = None  # greatest way in one direction; default: 1.1 times the travel
 
 
+class GearStage(Model):
+    """Dynamic data of a gear stage of a spindle (M40 is stage 1)."""
+
+    velocity: Velocity
+    acceleration: Acceleration
+    jerk: Jerk
+
+
 class Axis(Model):
     """An axis or spindle and what it may be asked to do, in mm or, if it turns, degrees, and seconds."""
 
@@ -157,6 +165,7 @@ class Axis(Model):
     jog_velocity: Velocity | None = None  # by hand, until the PLC or the program names another; default: a tenth
     homing: HomingSetup | None = None  # None: the encoder is absolute, the axis has its reference always
     drive: Drive | None = None
+    gear_stages: Several[GearStage] = Field(default=(), max_length=6)  # of a spindle; without: one stage
 
     @model_validator(mode="after")
     def _limits_in_order(self) -> Axis:

@@ -90,7 +90,7 @@ class Controller:
         self._path_axes = np.array([machine.axis_index(name) for name in described.axes])
         self._path_list: list[int] = self._path_axes.tolist()
         path_axes = [machine.axes[i] for i in self._path_list]
-        period = machine.cycle.period
+        period = self._period = machine.cycle.period
         self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)))
         indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
         spindles = [Spindle(machine.axes[i], i, period) for i in indices]
@@ -165,6 +165,8 @@ class Controller:
         """Path and spindles: one set-point for every axis."""
         image = self.drives.image
         enabled = self._enabled
+        for spindle in self.channel.spindles:
+            spindle.observe(float(image.actual_position[spindle.index]), float(image.actual_velocity[spindle.index]))
         self.channel.step(
             self.orders.inputs,
             self._path_enabled,
@@ -183,6 +185,8 @@ class Controller:
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
+            if enabled[spindle.index]:
+                image.target_position[spindle.index] += spindle.set_point * self._period
         self.jobs.step(
             enabled,
             self.channel.active,

@@ -14,6 +14,7 @@ from runtime.hli.layout import TECHNO_UNITS, Channel, TechnologyUnit
 from runtime.hli.technology import Function, Kind, Sent, Taken, TechnologyPort, TechnologyTaker
 
 MOS, MVS_SVS, MVS_SNS, MNS_SNS, PLC_INFO = 0x1, 0x2, 0x4, 0x8, 0x20000
+MVS_SLM, MVS_SLP = 0x4000, 0x8000
 
 
 def m(number: int, synch: int = MVS_SVS) -> Function:
@@ -199,6 +200,25 @@ def test_a_scan_that_is_overtaken_by_the_cnc_reorders_nothing(script: list[list[
     assert taken == put
 
 
+@pytest.mark.spec("hli.tech.late-sync")
+def test_late_functions_have_units_of_their_own_and_any_of_them_may_end_first() -> None:
+    channel, port, taker = sides()
+    late = [port.put(m(n, MVS_SLM)) for n in (1, 2, 3)]
+    block = port.put(m(4))
+    assert [unit.number_r for unit in channel.techno_unit_late_sync[:3]] == [1, 2, 3]
+    assert [unit.nr_late_sync_r for unit in channel.techno_unit_late_sync[:3]] == [1, 2, 3]
+    assert channel.techno_unit_std_sync[0].number_r == 4
+    taken = taker.take()
+    assert [one.function.number for one in taken] == [1, 2, 3, 4], "in the order of output, over both arrays"
+    taken[1].done()
+    taken[3].done()
+    assert port.poll() == [block, late[1]]
+    assert (channel.used_units_late_sync_r, channel.used_units_std_sync_r) == (2, 0)
+    port.put(m(5, MVS_SLP))
+    assert channel.techno_unit_late_sync[1].number_r == 5, "the unit that has become free"
+    assert (port.pending, port.pending_in_block) == (3, 0)
+
+
 class Handshake(RuleBasedStateMachine):
     """Any order of CNC and PLC steps, with log-off, log-on and reset in between."""
 
@@ -214,7 +234,7 @@ class Handshake(RuleBasedStateMachine):
         self.seen: list[int] = []  # numbers as the PLC saw them
         self.finished: set[int] = set()
 
-    @rule(synch=st.sampled_from([MOS, MVS_SVS, MVS_SNS, MNS_SNS]))
+    @rule(synch=st.sampled_from([MOS, MVS_SVS, MVS_SNS, MNS_SNS, MVS_SLM, MVS_SLP]))
     def put(self, synch: int) -> None:
         sent = self.port.put(m(self.number, synch))
         if sent is not None:
@@ -289,6 +309,6 @@ class Handshake(RuleBasedStateMachine):
         assert self.port.put(m(self.number)) is not None
 
 
-_covers = pytest.mark.spec("hli.tech.unit", "hli.tech.block-sync", "hli.mech.plc-present")
+_covers = pytest.mark.spec("hli.tech.unit", "hli.tech.block-sync", "hli.tech.late-sync", "hli.mech.plc-present")
 TestHandshake = _covers(Handshake.TestCase)
 TestHandshake.settings = settings(max_examples=150, stateful_step_count=40, deadline=None)

@@ -1,28 +1,36 @@
-"""A spindle: brings the speed to what M3, M4, M5 and S ask for, within its own acceleration and jerk.
+"""A spindle: turns as M3, M4, M5 and S ask for, and stands at an angle after M19, within its own acceleration and jerk.
 
-Speeds are degrees/s, positive for M3 (clockwise seen along the tool).
+Speeds are degrees/s, positive for M3 (clockwise seen along the tool); angles are degrees.
 
-The ramp is stepped, not planned: in each cycle the acceleration moves with the greatest jerk towards the greatest one from which
-it can still be taken back to zero in time,
+The drive gets speeds. Turning, the planned speed is the set-point. Positioning, the plan leads to the angle, and what the
+measured angle is off it is added:
 
-    v + a²/2J ≤ target        a ▲   ╭──────╮        jerk +J up to A, hold, jerk -J so that a = 0 where v = target
-                                │  ╱        ╲
-                                └─╱──────────╲──▶ t
+    set-point = weight · planned speed + K · (planned angle - measured angle)        bounded, and ramped
 
-so any new target, in the middle of a ramp too, needs no case of its own, and nothing can fail. (A general trajectory generator
-was tried first: at the edges of its limits it raised an error once in some hundred thousand cycles.)
+The measured angle comes from the bus more seldom than every cycle; in between the measured speed carries it on.
+
+From standstill an angle is gone to the shorter way unless M3 or M4 stands beside M19; a turning spindle keeps its sense and
+stops at the first time the angle comes round that it can brake to.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from enum import IntEnum
 
+from runtime.cnc.axes.axis_plan import Dynamics, Plan, State, plan_speed
+from runtime.cnc.axes.single_axis import Goal, SingleAxis
 from runtime.config.machine import Axis
 
 DEGREES_PER_SECOND = 6.0  # per rev/min
 SPEED_REACHED = 0.02  # share of the commanded speed
 ZERO_SPEED = 60.0  # degrees/s, 10 rev/min
+TURN = 360.0
+LEAST_WINDOW = 0.1  # degrees around the angle of M19
+_GAIN = 20.0  # 1/s, K above
+_SHARE = 0.7  # of acceleration and jerk that a plan to an angle uses; the rest is for what is added to it
+_HAIR = 1e-6  # degrees
 
 
 class SpindleMode(IntEnum):
@@ -31,71 +39,206 @@ class SpindleMode(IntEnum):
     M5 = 1
     M3 = 2
     M4 = 4
+    M19 = 8
+
+
+@dataclass(frozen=True, slots=True)
+class SpindleOrder:
+    """M3, M4, M5 or M19 (`number`), or 0 for a new speed only; `speed` in rev/min, not negative.
+
+    Of M19 `angle` is where to stand, `sense` 3 or 4 the sense of the approach, 0 is the shorter way or the present sense. With a
+    speed alone `sense` is the sense that is modal, 0 to leave it as it is.
+    `override_off`: the external override counts as 100 % until the next order (G167).
+    """
+
+    number: int
+    speed: float
+    angle: float = 0.0
+    sense: int = 0
+    override_off: bool = False
+
+
+_MODES = {3: SpindleMode.M3, 4: SpindleMode.M4, 5: SpindleMode.M5, 19: SpindleMode.M19}
 
 
 class Spindle:
-    """State in, state out: `command` sets the wish, `step` moves the set-point one cycle on."""
+    """State in, state out: orders set the wish, `step` moves the set-point one cycle on. `index`: in the machine's axes."""
 
     def __init__(self, axis: Axis, index: int, period: float) -> None:
         self.axis = axis
-        self.index = index  # in the machine's axes
+        self.index = index
         self.mode = SpindleMode.M5
         self.programmed_speed = 0.0  # degrees/s, without sign
+        self.target_angle = 0.0  # of M19, 0…360
         self.set_point = 0.0  # degrees/s, signed
-        self._acceleration = 0.0  # degrees/s²
+        self.angle = 0.0  # measured, degrees since the start
+        self.override_off = False
+        self.speed_factor = 1.0  # OVERRIDE SPEED_FACT
+        self.feed_forward = 1.0  # weight of the planned speed while positioning, G135…G137
+        self.acceleration_weight = 1.0  # G130
+        self._most = Dynamics(axis.velocity, axis.acceleration, axis.jerk)  # of the gear stage
+        self._stages = [Dynamics(stage.velocity, stage.acceleration, stage.jerk) for stage in axis.gear_stages]
+        self._next_stage = -1  # ordered, waits for standstill
         self._period = period
-        self._target = 0.0
+        self._mover = SingleAxis(self._most, period)
+        self._offset = 0.0  # measured angle - angle of the mover
+        self._measured = math.nan  # as it came from the bus
+        self._extra = 0.0  # degrees/s added to the planned speed
+        self._running = False
+        self._override = 1.0
 
-    def command(self, number: int, speed_rpm: float) -> None:
-        """M3, M4 or M5 (`number`), or 0 for a new speed in the same direction; `speed_rpm` in rev/min, not negative."""
-        self.programmed_speed = speed_rpm * DEGREES_PER_SECOND
-        if number == 3:
-            self.mode = SpindleMode.M3
-        elif number == 4:
-            self.mode = SpindleMode.M4
-        elif number == 5:
-            self.mode = SpindleMode.M5
+    # ------------------------------------------------------------------ orders
+
+    def command(self, order: SpindleOrder) -> None:
+        """Take an order; it acts from the next step on."""
+        self.programmed_speed = order.speed * DEGREES_PER_SECOND
+        self.override_off = order.override_off
+        # behind M19 a new speed alone turns the spindle again if M3 or M4 is still modal
+        self.mode = _MODES.get(order.number or order.sense, self.mode)
+        if order.number == 19:
+            self.target_angle = order.angle % TURN
+            self._go_to_angle(order.sense)
+        elif self.mode is not SpindleMode.M19 or self._mover.goal is not Goal.POSITION:
+            self._turn()
+        else:
+            self._mover.move_to(self._mover.target, self._positioning())  # another speed on the way
 
     def stop(self) -> None:
         """As M5: used by every reaction that stops the machine."""
         self.mode = SpindleMode.M5
+        self._turn()
+
+    def weigh(self, *, acceleration: float | None = None, speed: float | None = None) -> None:
+        """New weights of acceleration (G130) and speed (OVERRIDE SPEED_FACT), 1.0 is 100 %."""
+        self.acceleration_weight = self.acceleration_weight if acceleration is None else acceleration
+        self.speed_factor = self.speed_factor if speed is None else speed
+        self._again()
+
+    def select_stage(self, stage: int) -> None:
+        """Dynamic data of another gear stage (G112, M40…M45), from 0; they count as soon as the spindle stands."""
+        self._next_stage = stage
+
+    def home(self) -> None:
+        """G74: the encoder is absolute, so the spindle only comes to rest."""
+        self.stop()
+
+    def _change_stage(self) -> None:
+        if self._next_stage < len(self._stages):
+            self._most = self._stages[self._next_stage]
+            self._mover = SingleAxis(self._most, self._period, position=self._mover.position)
+            self._again()
+        self._next_stage = -1
+
+    def _again(self) -> None:
+        if self.mode is not SpindleMode.M19:
+            self._turn()
+        elif self._mover.goal is Goal.POSITION:
+            self._mover.move_to(self._mover.target, self._positioning())
+
+    def _turn(self) -> None:
+        speed = min(self.programmed_speed * self.speed_factor, self._most.velocity)
+        if self.mode in (SpindleMode.M5, SpindleMode.M19) or speed == 0.0:
+            self._mover.stop(self._turning())
+        else:
+            self._mover.move_at(-speed if self.mode is SpindleMode.M4 else speed, self._turning())
+
+    def _go_to_angle(self, sense: int) -> None:
+        """Choose the turn in which the angle is gone to; angles of the mover."""
+        mover = self._mover
+        self._offset = self.angle - mover.position
+        dynamics = self._positioning()
+        wanted = self.target_angle - self._offset
+        if mover.standstill and sense == 0:
+            way = (wanted - mover.position + TURN / 2) % TURN - TURN / 2
+            mover.move_to(mover.position + way, dynamics)
+            return
+        if sense == 0:
+            sense = 3 if mover.velocity > 0.0 else 4
+        # first to the speed of positioning, from there to rest: that takes more way than braking at once
+        slower, stopping = Plan(), Plan()
+        speed = min(abs(mover.velocity), dynamics.velocity * max(self._override, 0.01))
+        speed = math.copysign(speed, mover.velocity)
+        plan_speed(slower, State(mover.position, mover.velocity, mover.acceleration), speed, dynamics)
+        plan_speed(stopping, slower.end, 0.0, dynamics)
+        stop = stopping.end.p
+        if sense == 3:
+            way = (wanted - stop + _HAIR) % TURN - _HAIR
+        else:
+            way = -((stop - wanted + _HAIR) % TURN - _HAIR)
+        mover.move_to(stop + way, dynamics)
+
+    def _turning(self) -> Dynamics:
+        weight = self.acceleration_weight
+        return Dynamics(self._most.velocity, self._most.acceleration * weight, self._most.jerk * weight)
+
+    def _positioning(self) -> Dynamics:
+        weight = self.acceleration_weight * _SHARE
+        speed = min(max(self.programmed_speed * self.speed_factor, 1.0), self._most.velocity)
+        return Dynamics(speed, self._most.acceleration * weight, self._most.jerk * weight)
+
+    # ------------------------------------------------------------------ the cycle
+
+    def observe(self, position: float, velocity: float) -> None:
+        """Start of the cycle: what the drive says, degrees and degrees/s; the position may be that of an earlier cycle."""
+        if position != self._measured:
+            self._measured = self.angle = position
+        else:
+            self.angle += velocity * self._period
 
     def step(self, override: float, running: bool) -> None:
         """One cycle. `running`: the drive takes set-points; if not, the set-point is zero at once, without a ramp."""
+        mover = self._mover
         if not running:
-            self.set_point = self._acceleration = self._target = 0.0
+            if self._running or mover.goal is Goal.POSITION:
+                mover.restart(mover.position)
+                self._turn()
+            self._running = False
+            self.set_point = self._extra = 0.0
+            if not mover.standstill:
+                mover.restart(mover.position)
+                self._turn()
             return
-        target = 0.0
-        if self.mode is not SpindleMode.M5:
-            target = min(self.programmed_speed * override, self.axis.velocity)
-            if self.mode is SpindleMode.M4:
-                target = -target
-        self._target = target
-        if self.set_point != target or self._acceleration != 0.0:
-            self._ramp(target)
+        self._running = True
+        if self._next_stage >= 0 and mover.standstill:
+            self._change_stage()
+            mover = self._mover
+        self._override = 1.0 if self.override_off else override
+        mover.step(self._override)
+        self.set_point = mover.velocity
+        if mover.goal is Goal.POSITION:
+            self.set_point = self.feed_forward * mover.velocity + self._correction()
+        elif self._extra != 0.0:
+            self._extra = 0.0
 
-    def _ramp(self, target: float) -> None:
-        """One cycle towards `target` (degrees/s)."""
-        T, A, J = self._period, self.axis.acceleration, self.axis.jerk
-        way = target - self.set_point
-        sign = math.copysign(1.0, way)
-        a = self._acceleration * sign  # positive: towards the target
-        # The acceleration b of this cycle, of which b·T is gained at once, must fall to zero with -J in whole cycles before
-        # the target: b·T + b·(b/J)/2 ≤ way  ⇒  b ≤ J·(-T + √(T² + 2·way/J))
-        b = min(A, J * (math.sqrt(T * T + 2.0 * abs(way) / J) - T))
-        b = max(min(b, a + J * T), a - J * T)
-        gain = b * T
-        if b >= 0.0 and gain >= abs(way) - 1e-9 and b <= J * T * 1.5:
-            self.set_point, self._acceleration = target, 0.0  # the rest is less than one cycle of jerk
-            return
-        self.set_point += gain * sign
-        self._acceleration = b * sign
+    def _correction(self) -> float:
+        """What is added to the planned speed for the angle to come true; it changes no faster than the spindle may."""
+        off = self.planned_angle - self.angle - self.set_point * self._period
+        most = self._most.acceleration * (1.0 - _SHARE) * self._period
+        wanted = max(-self._most.velocity, min(_GAIN * off, self._most.velocity))
+        self._extra += max(-most, min(wanted - self._extra, most))
+        if abs(self._extra) < _HAIR and abs(off) < _HAIR:
+            self._extra = 0.0
+        return self._extra
+
+    @property
+    def planned_angle(self) -> float:
+        """Where the plan is, in the degrees of `angle`; turning, it is no measure."""
+        return self._mover.position + self._offset
+
+    # ------------------------------------------------------------------ state
 
     def reached(self, actual: float) -> bool:
-        """The set-point is where it should be, and the actual speed (degrees/s) within its window of it."""
-        window = max(SPEED_REACHED * abs(self._target), ZERO_SPEED)
-        wanted = self._target if self.mode is not SpindleMode.M5 else 0.0
-        return self.set_point == wanted and abs(actual - wanted) <= window
+        """What was ordered is there: the actual speed (degrees/s) within its window, or the angle within its."""
+        if self.mode is SpindleMode.M19:
+            off = (self.angle - self.target_angle + TURN / 2) % TURN - TURN / 2
+            return (
+                self._mover.arrived
+                and abs(off) <= max(self.axis.in_position, LEAST_WINDOW)
+                and abs(actual) <= ZERO_SPEED
+            )
+        wanted = 0.0 if self.mode is SpindleMode.M5 else self.set_point
+        window = max(SPEED_REACHED * abs(self.set_point), ZERO_SPEED)
+        return self._mover.arrived and abs(actual - wanted) <= window
 
     def standing(self, actual: float) -> bool:
         """Below zero speed."""

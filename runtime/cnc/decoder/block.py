@@ -15,6 +15,7 @@ from functools import partial
 
 from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, Stop
 from runtime.cnc.decoder import additions, cycles
+from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow
@@ -26,7 +27,7 @@ from runtime.cnc.decoder.radius_compensation import FORBIDDEN_G, expect_none, fo
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
-from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
+from runtime.cnc.decoder.technology import SUBPROGRAM_END, functions_of
 from runtime.cnc.decoder.tool_management import begin_with_tools
 from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
 from runtime.cnc.dynamic_settings import USUAL
@@ -38,6 +39,7 @@ from runtime.cnc.language.isg.macros import check_content
 from runtime.cnc.language.isg.syntax import Group
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import technology
 
 _FIRST = (Group.PLANE, Group.UNIT, Group.DIMENSION, Group.FEED_MODE)  # they say how the arguments of others count
 
@@ -140,7 +142,7 @@ class WordBlocks:
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
-        x.exact_stop = x.compensation.tangential = 0
+        x.exact_stop = x.compensation.tangential = x.speed_argument = 0
         x.feed_taken = x.override_off = x.brake_in_front = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
@@ -193,6 +195,8 @@ class WordBlocks:
             x.tools.moved = False
             x.block_end()
         if functions.flush:
+            if x.compensation.active or x.smoothing.contouring_on:
+                raise LineError(technology.FLUSH_BARRED, block.column(WordKind.M))
             x.emit(Flush(x.source, FlushKind.WAIT))
         if block.goto is not None:  # a call in the same block is executed before the program goes on there
             self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)

@@ -31,6 +31,7 @@ from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.smoothing import Smoothing
+from runtime.cnc.decoder.spindles import Spindles
 from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.tooling import Tooling
 from runtime.cnc.decoder.user_variables import Scope
@@ -152,7 +153,8 @@ class Execution:
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
         self.block_number = 0  # last N
-        self.spindle_command = 5  # last of M3, M4, M5
+        self.spindles = Spindles(setup.spindles, setup.main_spindle, setup.main_name)
+        self.speed_argument = 0  # G function of the block in work whose argument S is, 0 if it is a speed
         self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.last_rotation: Rotation | None = None  # what #ROTATION ON goes on from

@@ -65,6 +65,8 @@ class ChannelMemory:
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
         self.m_ahead: dict[int, int] = dict(setup.m_ahead)  # 0.1 µm or µs
         self.h_ahead: dict[int, int] = dict(setup.h_ahead)
+        self.gears: dict[int, int] = {}  # spindle → stage that was told last
+        self.spindle_m_free = setup.spindle_m_free  # V.SPDL.M_FCT_FREE
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
         self.report = ReportCount()
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so

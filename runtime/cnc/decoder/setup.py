@@ -15,7 +15,7 @@ from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
 from runtime.cnc.tools.setup import ToolSetup
 from runtime.config.channel.dynamics import VectorParameters
-from runtime.config.channel.parameters import ChannelParameters, PathKind
+from runtime.config.channel.parameters import ChannelParameters, ChannelSpindle, PathKind
 from runtime.config.channel.synchronisation import (
     SYNCH_TYPES,
     SYNCH_VALUES,
@@ -65,12 +65,65 @@ def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
 
 
 @dataclass(frozen=True, slots=True)
+class GearRange:
+    """Speeds of a gear stage, rev/min; a greatest of 0: the stage is not used."""
+
+    least: float = 0.0
+    greatest: float = 0.0
+
+    @property
+    def usable(self) -> bool:
+        """The spindle has this stage."""
+        return self.greatest > 0.0
+
+    def covers(self, speed: float) -> bool:
+        """The stage can turn so fast."""
+        return self.usable and self.least <= speed <= self.greatest
+
+
+@dataclass(frozen=True, slots=True)
 class SpindleSetup:
-    """A spindle of the channel with the synchronisation of its functions: `m` for M3, M4, M5."""
+    """A spindle of the channel with the synchronisation of its functions: `m` for M3, M4, M5, M19.
+
+    `plc`: the PLC moves it. `area` is its index among the axes of the machine. `gears`: M40 and following; `stages` how many
+    data sets its axis has.
+    """
 
     name: str
     s: Synch = Synch.NO_SYNCH
-    m: Mapping[int, Synch] = field(default_factory=lambda: {3: Synch.NO_SYNCH, 4: Synch.NO_SYNCH, 5: Synch.NO_SYNCH})
+    m: Mapping[int, Synch] = field(default_factory=dict)
+    s_duration: float = 0.0  # P-CHAN-00080, s
+    m_duration: Mapping[int, float] = field(default_factory=dict)  # P-CHAN-00042 to 00048, s
+    plc: bool = False
+    area: int = -1
+    log_axis: int = 0
+    gears: tuple[GearRange, ...] = ()
+    automatic_gear: bool = False
+    gears_from_top: bool = False
+    stages: int = 0
+
+    @classmethod
+    def of(cls, machine: Machine, spindle: ChannelSpindle, key: str) -> SpindleSetup:
+        """The setup of a configured spindle; DecoderSetupError for a synchronisation type that cannot be used."""
+        index = machine.axis_index(spindle.bezeichnung)
+        axis = machine.axes[index]
+        numbers = (3, 4, 5, 19)
+        table = spindle.range_table
+        ranges = [table.get(stage) for stage in range(max(table, default=-1) + 1)]
+        return cls(
+            spindle.bezeichnung,
+            parse_synch(spindle.s_synch, f"{key}.s_synch"),
+            {number: parse_synch(getattr(spindle, f"m{number}_synch"), f"{key}.m{number}_synch") for number in numbers},
+            spindle.s_prozess_zeit * MICROSECOND,
+            {number: getattr(spindle, f"m{number}_prozess_zeit") * MICROSECOND for number in numbers},
+            plc=spindle.plc_control,
+            area=index,
+            log_axis=axis.log_axis,
+            gears=tuple(GearRange(r.min_speed, r.max_speed) if r else GearRange() for r in ranges),
+            automatic_gear=spindle.autom_range,
+            gears_from_top=spindle.range_way > 0,
+            stages=len(axis.gear_stages),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +200,11 @@ class DecoderSetup:
     no_corners: bool = False  # P-CHAN-00273: chamfers and roundings are refused
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
+    main_spindle: int = 0  # index of the configured one
+    main_name: str = ""  # P-CHAN-00053
+    gear_change: bool = False  # P-CHAN-00052
+    spindle_m_free: bool = False  # P-CHAN-00098
+    areas: Mapping[str, int] = field(default_factory=dict)  # axis of the channel → index among those of the machine
     poly_jerk: int = 1  # P-CHAN-00110
     contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
@@ -162,22 +220,18 @@ class DecoderSetup:
             values = described.zero_offsets.get(f"G{number}", {})
             offsets[number] = np.array([values.get(axis, 0.0) for axis in described.axes])
         spindles = tuple(
-            SpindleSetup(
-                spindle.bezeichnung,
-                parse_synch(spindle.s_synch, f"spindel[{i}].s_synch"),
-                {
-                    3: parse_synch(spindle.m3_synch, f"spindel[{i}].m3_synch"),
-                    4: parse_synch(spindle.m4_synch, f"spindel[{i}].m4_synch"),
-                    5: parse_synch(spindle.m5_synch, f"spindel[{i}].m5_synch"),
-                },
-            )
-            for i, spindle in enumerate(parameters.spindel)
+            SpindleSetup.of(machine, spindle, f"spindel[{i}]") for i, spindle in enumerate(parameters.spindel)
         )
         axes = [machine.axes[machine.axis_index(axis)] for axis in described.axes]
         return cls(
             axes=described.axes,
             channel_number=channel + 1,
             measuring_type=parameters.messtyp,
+            main_spindle=next((i for i, s in enumerate(spindles) if s.log_axis == parameters.main_spindle_ax_nr), 0),
+            main_name=parameters.main_spindle_name,
+            gear_change=parameters.main_spindle_gear_change,
+            spindle_m_free=parameters.spindle_m_fct_free,
+            areas={name: machine.axis_index(name) for name in described.axes},
             log_axes=tuple(axis.log_axis for axis in axes),
             log_spindles=tuple(
                 machine.axes[machine.axis_index(spindle.bezeichnung)].log_axis for spindle in parameters.spindel
@@ -260,6 +314,8 @@ class DecoderSetup:
             tuple(spindle.name for spindle in self.spindles),
             frozenset(self.m_synch),
             frozenset(self.h_synch),
+            self.main_name,
+            self.gear_change,
         )
 
     @property
@@ -274,8 +330,9 @@ class DecoderSetup:
 
     @property
     def spindle_names(self) -> tuple[str, ...]:
-        """Names of the spindles, the main spindle first."""
-        return tuple(spindle.name for spindle in self.spindles)
+        """Names of the spindles, and behind them that of the main spindle if it is none of these."""
+        own = tuple(spindle.name for spindle in self.spindles)
+        return own if not own or self.main_name in ("", *own) else (*own, self.main_name)
 
     def zero_offset(self, number: int) -> Floats:
         """The offset of G53…G59, shape (n,)."""

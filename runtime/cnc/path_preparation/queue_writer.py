@@ -40,6 +40,7 @@ from runtime.cnc.blocks import (
     Polynomials,
     Receiver,
     Source,
+    SpindleSetting,
     Stop,
     StopKind,
     TakeOver,
@@ -256,6 +257,8 @@ class QueueWriter:
                 record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
                 record["area"], record["lead"], record["seconds"] = block.area, block.lead, block.duration
                 record["offset"], record["size"] = block.sister, block.variant
+                record["spindle_angle"], record["sense"] = block.angle, block.sense
+                record["override_off"], record["plc_spindle"] = block.override_off, block.plc_spindle
             case Wait():
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
                 record["synch"] = int(block.kinds)
@@ -276,6 +279,13 @@ class QueueWriter:
             case TimerAction():
                 record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
                 record["value"] = _TIMER_COMMANDS.index(block.command)
+            case SpindleSetting():
+                record["kind"], record["action"], record["spindle"] = (
+                    RecordKind.ACTION,
+                    ActionKind.SPINDLE,
+                    block.spindle,
+                )
+                record["number"], record["value"] = int(block.what), block.value
             case ToolLifeAction():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.TOOL_LIFE
                 record["number"] = _LIFE_COMMANDS.index(block.command)

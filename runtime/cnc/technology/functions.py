@@ -23,8 +23,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
-from runtime.cnc.blocks import AT_BLOCK_END, BY_PATH, LATE, Synch, Technology
+from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle, SpindleOrder
+from runtime.cnc.blocks import AT_BLOCK_END, BY_PATH, LATE, SpindleValue, Synch, Technology
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.queue_record import QueueRecord, read_record
@@ -36,7 +36,7 @@ from runtime.diagnostics.errors import Place, Problem
 from runtime.diagnostics.events import EventKind
 from runtime.hli.layout import ChannelStatus
 from runtime.hli.technology import Function, Sent, TechnologyPort
-from runtime.hli.units import INT32, LENGTH, MICROSECOND
+from runtime.hli.units import INT32, LENGTH, MICROSECOND, SPEED
 
 Floats = npt.NDArray[np.float64]
 
@@ -199,6 +199,20 @@ class TechnologyFunctions:
         self._gate = -1
         self._position = 0.0
 
+    def set_spindle(self, record: QueueRecord) -> None:
+        """The path has come to a setting of a spindle."""
+        spindle, value = self._spindles[record.spindle], record.value
+        if record.number == SpindleValue.ACCELERATION:
+            spindle.weigh(acceleration=value)
+        elif record.number == SpindleValue.SPEED:
+            spindle.weigh(speed=value)
+        elif record.number == SpindleValue.FEED_FORWARD:
+            spindle.feed_forward = value
+        elif record.number == SpindleValue.GEAR:
+            spindle.select_stage(int(value))
+        else:
+            spindle.home()
+
     # ------------------------------------------------------------------ what the path waits for
 
     @property
@@ -316,7 +330,7 @@ class TechnologyFunctions:
             if sent is None:
                 return False
         if spindle is not None:
-            spindle.command(record.number, record.value)
+            spindle.command(SpindleOrder(record.number, record.value, record.angle, record.sense, record.override_off))
             self._tell(EventKind.SPINDLE, record.line, record.n, record.number, record.value, axis=spindle.index)
         self._tell(_OUT[kind], record.line, record.n, record.number, record.value)
         if int(synch) & _WAITING:
@@ -327,7 +341,7 @@ class TechnologyFunctions:
 def _to_interface(record: QueueRecord, synch: int, spindle: Spindle | None, time: int) -> Function:
     """A function in the interface's whole numbers; the value of S is a speed, that of M and H goes over as it is."""
     if record.technology is Technology.S:
-        value, revolutions = 0, min(round(record.value * DEGREES_PER_SECOND * 1e3), INT32)
+        value, revolutions = 0, min(round(record.value * DEGREES_PER_SECOND / SPEED), INT32)
     else:
         value, revolutions = round(record.value), 0
     duration = min(round(record.seconds / MICROSECOND), INT32)
@@ -341,5 +355,7 @@ def _to_interface(record: QueueRecord, synch: int, spindle: Spindle | None, time
         revolutions=revolutions,
         sister=record.offset,
         variant=record.size,
+        position=round(record.angle / LENGTH),
+        spindle=record.plc_spindle,
         time=duration if record.area >= 0 or not synch & _TIME_STAMP else time,  # axes get no offset
     )

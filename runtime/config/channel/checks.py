@@ -80,12 +80,14 @@ def _spindles(values: _Values) -> Iterator[Contradiction]:
     number = values.get(("spdl_anzahl",), 0)
     if number and number != len(spindles):
         yield _other(("spdl_anzahl",), number, "the number of spindles in spindel[]", len(spindles))
-    first = spindles.get(0, {})
-    for key, member in ((("main_spindle_ax_nr",), "log_achs_nr"), (("main_spindle_name",), "bezeichnung")):
-        value = values.get(key)
-        if value and value != first.get(member):
-            yield _other(key, value, f"spindel[0].{member}, the only main spindle that is supported",
-                         first.get(member, "not given"))  # fmt: skip
+    value = values.get(("main_spindle_ax_nr",))
+    numbers = [members.get("log_achs_nr") for members in spindles.values()]
+    if value and value not in numbers:
+        yield _other(("main_spindle_ax_nr",), value, "log_achs_nr of one of spindel[]",
+                     ", ".join(str(number) for number in numbers if number is not None) or "not given")  # fmt: skip
+    name = values.get(("main_spindle_name",))
+    if name and not str(name).upper().startswith("S"):
+        yield _other(("main_spindle_name",), name, "the first letter of a spindle's name", "S")
 
 
 def _other(key: Key, value: object, what: str, other: object) -> Contradiction:

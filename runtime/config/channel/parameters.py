@@ -26,6 +26,13 @@ class PathKind(IntFlag):
     DEBUG = 0x8
 
 
+class SpeedRange(Model):
+    """`spindel[i].range_table[j].*`: the speeds of a gear stage, rev/min; 0 and 0: not used."""
+
+    min_speed: int = 0  # P-CHAN-00058
+    max_speed: int = 0  # P-CHAN-00055
+
+
 class ChannelSpindle(Model):
     """`spindel[i].*`: a spindle of the channel (manual line 3741 and following)."""
 
@@ -41,6 +48,10 @@ class ChannelSpindle(Model):
     m4_prozess_zeit: int = 0  # P-CHAN-00046
     m5_prozess_zeit: int = 0  # P-CHAN-00048
     m19_prozess_zeit: int = 0  # P-CHAN-00042
+    plc_control: bool = False  # P-CHAN-00069, the PLC moves it
+    autom_range: bool = False  # P-CHAN-00004, the gear stage follows from the speed
+    range_way: int = 0  # P-CHAN-00074, 0: the lowest fitting stage, else the highest
+    range_table: dict[int, SpeedRange] = Field(default_factory=dict)
 
 
 class ChannelTool(Model):
@@ -185,8 +196,10 @@ class ChannelParameters(Model):
     # spindles and axes
     spdl_anzahl: int = 0  # P-CHAN-00082, number of spindles when given
     spindel: Several[ChannelSpindle] = ()
-    main_spindle_ax_nr: int = 0  # P-CHAN-00051, only that of the first spindle
-    main_spindle_name: str = ""  # P-CHAN-00053, only that of the first spindle
+    main_spindle_ax_nr: int = 0  # P-CHAN-00051; 0: the first spindle
+    main_spindle_name: str = ""  # P-CHAN-00053, of whichever spindle is the main one
+    main_spindle_gear_change: bool = False  # P-CHAN-00052, M40 to M45 change its gear
+    spindle_m_fct_free: bool = False  # P-CHAN-00098, M3, M4, M5, M19 are as in m_synch
     grp_anzahl: int = 1  # P-CHAN-00023
     gruppe: dict[int, AxisGroup] = Field(default_factory=dict)
     feed_to_weakest_axis: bool = False  # P-CHAN-00096

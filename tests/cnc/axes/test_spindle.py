@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from ruckig import ControlInterface, InputParameter, Ruckig, Trajectory
 
-from runtime.cnc.axes.spindle import Spindle, SpindleMode
+from runtime.cnc.axes.spindle import Spindle, SpindleMode, SpindleOrder
 from runtime.config import load_machine
 
 PERIOD = 0.001
@@ -25,12 +25,12 @@ def run(spindle: Spindle, seconds: float, override: float = 1.0) -> list[float]:
 
 def test_m3_reaches_the_speed_and_m5_brings_it_to_rest() -> None:
     spindle = make_spindle()
-    spindle.command(3, 6000.0)
+    spindle.command(SpindleOrder(3, 6000.0))
     run(spindle, 1.0)
     assert spindle.set_point == pytest.approx(36000.0)
     assert spindle.reached(36000.0)
     assert not spindle.reached(35000.0)  # more than 2 % too slow
-    spindle.command(5, 0.0)
+    spindle.command(SpindleOrder(5, 0.0))
     run(spindle, 1.0)
     assert spindle.set_point == 0.0
     assert spindle.standing(0.0)
@@ -38,9 +38,9 @@ def test_m3_reaches_the_speed_and_m5_brings_it_to_rest() -> None:
 
 def test_m4_turns_the_other_way_and_a_lone_s_keeps_the_direction() -> None:
     spindle = make_spindle()
-    spindle.command(4, 1000.0)
+    spindle.command(SpindleOrder(4, 1000.0))
     run(spindle, 0.5)
-    spindle.command(0, 2000.0)
+    spindle.command(SpindleOrder(0, 2000.0))
     run(spindle, 0.5)
     assert spindle.mode is SpindleMode.M4
     assert spindle.set_point == pytest.approx(-12000.0)
@@ -48,14 +48,14 @@ def test_m4_turns_the_other_way_and_a_lone_s_keeps_the_direction() -> None:
 
 def test_speed_is_limited_to_what_the_spindle_can() -> None:
     spindle = make_spindle()
-    spindle.command(3, 20000.0)
+    spindle.command(SpindleOrder(3, 20000.0))
     run(spindle, 3.0, override=2.0)
     assert spindle.set_point == pytest.approx(24000 * 6.0)
 
 
 def test_a_drive_that_takes_no_set_points_has_none() -> None:
     spindle = make_spindle()
-    spindle.command(3, 6000.0)
+    spindle.command(SpindleOrder(3, 6000.0))
     run(spindle, 1.0)
     spindle.step(1.0, running=False)
     assert spindle.set_point == 0.0
@@ -73,13 +73,13 @@ def test_acceleration_and_jerk_stay_within_their_limits_and_it_always_comes_to_r
     spindle = make_spindle()
     before = acceleration = 0.0
     for number, speed, override, seconds in orders:
-        spindle.command(number, speed)
+        spindle.command(SpindleOrder(number, speed))
         for value in run(spindle, seconds, override):
             now = (value - before) / PERIOD
             assert abs(now) <= spindle.axis.acceleration * 1.0001
             assert abs(now - acceleration) <= spindle.axis.jerk * PERIOD * 1.001
             before, acceleration = value, now
-    spindle.command(5, 0.0)
+    spindle.command(SpindleOrder(5, 0.0))
     assert run(spindle, 3.0)[-1] == 0.0
 
 
@@ -92,7 +92,7 @@ def test_the_ramp_takes_no_longer_than_the_time_optimal_one_and_some_cycles(spee
     optimal.target_velocity = [speed * 6.0]
     trajectory = Trajectory(1)
     Ruckig(1).calculate(optimal, trajectory)
-    spindle.command(3, speed)
+    spindle.command(SpindleOrder(3, speed))
     cycles = 0
     while spindle.set_point != speed * 6.0:
         spindle.step(1.0, running=True)

@@ -67,7 +67,6 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
     ("#FLUSH \\\nWAIT\nM30", C.CONTINUATION, 1, 8),
     ("L CYCLE [NAME=a @P1=1]\nM30", C.GLOBAL_MISSING, 1, 15),
     ("L CYCLE [NAME=a @Q=1]\nM30", C.KEY_UNKNOWN, 1, 17),
-    ("M19\nM30", C.NOT_SUPPORTED, 1, 1),
     ("X=R1\nM30", C.NOT_SUPPORTED, 1, 3),
     ("/11 X1\nM30", C.SKIP_LEVEL, 1, 1),
     ("$ENDIF\nM30", C.CONTROL_WITHOUT_START, 1, 1),

@@ -220,6 +220,6 @@ def test_wrong_dwells(text: str, entry: ErrorEntry) -> None:
 # -- what is not there yet
 
 
-@pytest.mark.parametrize("word", ["G66 X1", "G112 X1", "G96 S100"])
+@pytest.mark.parametrize("word", ["G66 X1", "G96 S100"])
 def test_functions_that_are_still_to_come_say_so(word: str) -> None:
     assert entries(word) == [(catalogue.G_UNSUPPORTED, 1)]

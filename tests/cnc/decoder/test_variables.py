@@ -908,4 +908,4 @@ def test_spindle_data() -> None:
         "P8=V.SPDL_PROG.MOVE_CMD.S P9=V.SPDL_PROG.DWELL_ROT_COUNT.S"
     )
     assert values(program, setup=setup) == {1: 6, 2: 1, 3: 0, 4: 0, 5: 5, 6: 1000, 7: 3, 8: 4, 9: 50}
-    assert refused("V.SPDL.M_FCT_FREE = 1") is C.VARIABLE_READ_ONLY
+    assert refused("V.SPDL.M_FCT_FREE = 2") is C.ARRAY_INDEX

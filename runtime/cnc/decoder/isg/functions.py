@@ -9,6 +9,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_motion,
     g_offsets,
     g_radius_compensation,
+    g_spindle,
     g_transition,
     g_weights,
     statements_channel,

@@ -73,10 +73,8 @@ KNOWN = {
     "V.A.ANTR_TYP": "drive types",
     "V.A.TORQUE_NOM": "drive data",
     # spindles (lines 21767–21802)
-    "V.SPDL_PROG.POSITION": "spindle positioning",
     "V.SPDL_PROG.MAX_SPEED": "constant cutting speed",
     "V.SPDL_PROG.CONST_CUT_SPEED": "constant cutting speed",
-    "V.SPDL_PROG.GEAR_DATA_STEP": "gear steps",
 }
 
 

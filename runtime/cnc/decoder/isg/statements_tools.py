@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from runtime.cnc.blocks import Flush, FlushKind
+from runtime.cnc.decoder.block_functions import Functions, put_out_tool
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
-from runtime.cnc.decoder.technology import Functions, put_out_tool
 from runtime.cnc.decoder.tool_management import announce_outside, ready
 from runtime.cnc.decoder.tool_words import move_at_once, select, select_id
 from runtime.cnc.language.isg.functions import round_half_up

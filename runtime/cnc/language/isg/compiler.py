@@ -102,6 +102,14 @@ class GSlots:
 
 
 @dataclass(frozen=True, slots=True)
+class BracketSlots:
+    """Commands in brackets: the word, and of each command in it its word, the slot of its value and of an additional one."""
+
+    word: Word
+    commands: tuple[FunctionSlots, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class DeclarationSlots:
     """A declaration: its word, slots of the initial values and of the sizes or indices."""
 
@@ -155,6 +163,8 @@ class CompiledBlock:
     tool_data: int = -1
     m: tuple[FunctionSlots, ...] = ()
     h: tuple[FunctionSlots, ...] = ()
+    brackets: tuple[BracketSlots, ...] = ()
+    spindle_position: int = -1
     dwell: int = -1
     dwell_revolutions: bool = False
     call: Word | None = None
@@ -275,6 +285,7 @@ def compile_block(
     interpolation: list[tuple[int, int]] = []
     functions_of: dict[WordKind, list[FunctionSlots]] = {WordKind.M: [], WordKind.H: []}
     g: list[GSlots] = []
+    brackets: list[BracketSlots] = []
     additions: list[tuple[str, int]] = []
     declarations: list[DeclarationSlots] = []
     special: dict[WordKind, Word] = {}
@@ -291,6 +302,9 @@ def compile_block(
             interpolation.append((word.index, emitter.slot(word.value)))
         elif kind in functions_of:
             functions_of[kind].append(FunctionSlots(word, emitter.slot(word.value), emitter.slot(word.extra)))
+        elif kind is WordKind.BRACKET:
+            commands = tuple(FunctionSlots(w, emitter.slot(w.value), emitter.slot(w.extra)) for w in word.inner)
+            brackets.append(BracketSlots(word, commands))
         elif kind is WordKind.G:
             slot = emitter.slot(word.value)
             calls = word.index in vocabulary.g and vocabulary.g[word.index].group is Group.CALL
@@ -339,6 +353,8 @@ def compile_block(
         slots.get(WordKind.TOOL_DATA, -1),
         tuple(functions_of[WordKind.M]),
         tuple(functions_of[WordKind.H]),
+        tuple(brackets),
+        slots.get(WordKind.SPINDLE_POSITION, -1),
         dwell,
         dwell >= 0 and block.words[0].index == 1,
         call=special.get(WordKind.CALL_LOCAL),

@@ -12,6 +12,7 @@ from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg import expressions
+from runtime.cnc.language.isg.brackets import take_brackets
 from runtime.cnc.language.isg.comments import LineError, blank_comments
 from runtime.cnc.language.isg.environment import Access, Environment
 from runtime.cnc.language.isg.macros import define_and_replace, g_expressions
@@ -66,6 +67,7 @@ _ONCE = {
     WordKind.TOOL_DATA: "D",
     WordKind.DWELL: "G04",
     WordKind.RETURN: "M17",
+    WordKind.SPINDLE_POSITION: "S.POS",
 }
 _ADDRESSES = {
     "FEED": WordKind.FEED,
@@ -257,7 +259,12 @@ class _Builder(Transformer[Token, ParsedBlock]):
 
     def speed(self, name: Token, value: Expression) -> Word:
         self._check_spindle(name)
-        return Word(WordKind.SPEED, _column(name), self._value(value, name))
+        return Word(WordKind.SPEED, _column(name), self._value(value, name), name=str(name))
+
+    def spindle_position(self, name: Token, value: Expression) -> Word:
+        spindle = str(name).rpartition(".")[0]
+        self._check_spindle(name, spindle)
+        return Word(WordKind.SPINDLE_POSITION, _column(name), self._value(value, name), name=spindle)
 
     def function_word(self, letter: Token, number: Expression, extra: Expression | None) -> Word:
         kind = WordKind.M if letter.upper() == "M" else WordKind.H
@@ -325,12 +332,13 @@ class _Builder(Transformer[Token, ParsedBlock]):
     def call_global(self, token: Token) -> Word:
         return Word(WordKind.CALL_GLOBAL, _column(token), name=token[1:].strip())
 
-    def _check_spindle(self, name: Token) -> None:
-        spindles = self._addresses.spindles
+    def _check_spindle(self, token: Token, name: str = "") -> None:
+        """The channel has this spindle; whether it is the main spindle is seen when the block is executed."""
+        spindles, name = self._addresses.spindles, name or str(token)
         if not spindles:
-            raise LineError(catalogue.SPINDLE_MISSING, _column(name), word=str(name))
-        if len(name) > 1 and name[0] != "@" and name != spindles[0]:
-            raise LineError(catalogue.SPINDLE_UNKNOWN, _column(name), spindle=str(name), spindles=", ".join(spindles))
+            raise LineError(catalogue.SPINDLE_MISSING, _column(token), word=name)
+        if len(name) > 1 and name[0] != "@" and not self._addresses.has_spindle(name):
+            raise LineError(catalogue.SPINDLE_UNKNOWN, _column(token), spindle=name, spindles=", ".join(spindles))
 
     # -- jumps, control statements, blocks
 
@@ -437,13 +445,14 @@ class BlockParser:
             head = self._head(blanked[: at.start], statement)
             added = self._statements.parse(beside.text, beside.at) if beside is not None else None
             return ParsedBlock((), None, statement, head.number, head.skip_level, head.label, macros, added)
+        blanked, brackets = take_brackets(blanked, self)
         blanked, beside = beside_words(blanked)
         addition: ParsedStatement | None = None
         if beside is not None:
             addition = self._statements.parse(beside.text, beside.at)
         parsed = self._by_lark(blanked, "block")
         assert isinstance(parsed, ParsedBlock)
-        words = tuple(self._completed(word) for word in parsed.words)
+        words = (*(self._completed(word) for word in parsed.words), *brackets)
         return ParsedBlock(
             words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
         )
@@ -557,7 +566,7 @@ def check_words(words: tuple[Word, ...], addresses: Addresses, vocabulary: Vocab
             assert word.value is not None
             if word.value.constant is not None:
                 number = check_function(word, word.value.constant, addresses)
-                if word.kind is WordKind.M and number in SPINDLE_M:
+                if word.kind is WordKind.M and number in SPINDLE_M and number not in addresses.m:
                     if spindle_m >= 0:
                         raise LineError(catalogue.SPINDLE_M_TWICE, word.column, number=number, other=spindle_m)
                     spindle_m = number
@@ -573,13 +582,14 @@ def check_function(word: Word, value: float, addresses: Addresses) -> int:
         if number not in addresses.h:
             raise LineError(catalogue.H_UNDEFINED, word.column, number=number)
         return number
-    if word.extra is not None and (number in SPINDLE_M or number == POSITIONING_M or number in GEAR_M):
+    of_spindle = number in SPINDLE_M or number == POSITIONING_M
+    if word.extra is not None and (of_spindle or number in GEAR_M) and not (of_spindle and number in addresses.m):
         raise LineError(catalogue.VALUE_NOT_ALLOWED, word.column, number=number)
-    if number == POSITIONING_M:
-        raise LineError(catalogue.NOT_SUPPORTED, word.column, what="spindle positioning M19")
-    if number in SPINDLE_M:
-        if not addresses.spindles:
+    if of_spindle:
+        if not addresses.spindles and number not in addresses.m:
             raise LineError(catalogue.SPINDLE_MISSING, word.column, word=f"M{number}")
+    elif number in GEAR_M and addresses.gears:
+        return number
     elif number != TOOL_CHANGE_M and number not in addresses.m and number not in INTERNAL_M:
         raise LineError(catalogue.M_UNDEFINED, word.column, number=number)
     return number

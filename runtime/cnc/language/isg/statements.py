@@ -31,6 +31,7 @@ _INLINE = re.compile(rf"#(?:{'|'.join(ADDITIONS)}|{_ADDED})(?![A-Za-z0-9_])", re
 _BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:" + _ADDED + r")(?![A-Za-z0-9_]))", re.IGNORECASE)
 _BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
 _DIRECTION = re.compile(r"([A-Z][A-Za-z0-9_]*?)[ \t]*([+-])[ \t]*\Z")
+_SPINDLE_NAME = re.compile(r"[Ss]\w*")
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
@@ -209,6 +210,8 @@ class StatementParser:
             yield from self._assignments(syntax, text, position + 1, end)
         elif syntax.form is Form.PLACES:
             yield from self._places(syntax, text, position + 1, end)
+        elif syntax.form is Form.SPINDLE:
+            yield self._spindle(text, position + 1, end)
         elif syntax.form is Form.DIRECTION:
             yield self._direction(syntax, text, position + 1, end)
         else:
@@ -310,6 +313,18 @@ class StatementParser:
                     self._blocks.expression(text[start:stop], start + 1), _title(syntax), start + 1
                 )
                 yield Argument("", start + 1, value, index=place)
+
+    def _spindle(self, text: str, begin: int, end: int) -> Argument:
+        """S2, or an expression for the logical axis number."""
+        start = _skip(text, begin)
+        name = text[start:end].strip()
+        if self._blocks.addresses.has_spindle(name):
+            return Argument("", start + 1, text=name)
+        if _SPINDLE_NAME.fullmatch(name):
+            spindles = ", ".join(self._blocks.addresses.spindles)
+            raise LineError(catalogue.SPINDLE_UNKNOWN, start + 1, spindle=name, spindles=spindles)
+        value = expressions.number(self._blocks.expression(text[start:end], start + 1), "#MAIN SPINDLE", start + 1)
+        return Argument("", start + 1, value)
 
     def _direction(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Argument:
         """Z+: the sign is the `text`, the axis the `index`."""

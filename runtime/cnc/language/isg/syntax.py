@@ -109,6 +109,7 @@ class Form(Enum):
     ASSIGNMENTS = auto()  # [P1=X, V.P.A=Y]: target = axis
     PLACES = auto()  # [1,,P3]: values by their place, places may stay empty
     DIRECTION = auto()  # [Z+]: an axis and a sign
+    SPINDLE = auto()  # [S2] or [11]: the name of a spindle, or its logical axis number
 
 
 @dataclass(frozen=True, slots=True)

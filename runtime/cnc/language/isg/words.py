@@ -40,6 +40,9 @@ class WordKind(IntEnum):
     CALL_GLOBAL = auto()
     RETURN = auto()  # M17 or M29 with brackets
     GOTO = auto()
+    SPINDLE_POSITION = auto()  # S.POS
+    BRACKET = auto()  # S[..] or X[..]: channel axis index, -1 for a spindle; `name` as written
+    KEY = auto()  # in such a bracket: REV, POS …; `target` is a literal value
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +82,7 @@ class Word:
     values: tuple[Expression | None, ...] = ()
     indices: tuple[Expression, ...] = ()
     flush: bool = False
+    inner: tuple[Word, ...] = ()  # of a bracket
 
 
 class Control(Enum):
