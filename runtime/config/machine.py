@@ -234,12 +234,13 @@ class Metrics(Model):
 
 
 class ToolTable(Model):
-    """Where the tools are that D words select."""
+    """Where the tools are that D words select: a table, if the channel has no external tool management."""
 
     database: FileBeside | None = None  # SQLite; default: tools.db in the state directory
     initial_list: Annotated[str, Field(min_length=1), AfterValidator(_list_beside)] | None = (
         None  # tool list that the table begins with, when it is made: "file.lis" beside the description, or "package:file.lis"
     )
+    answer_timeout: Seconds = 10.0  # that an external tool management has to answer
 
 
 class Machine(Model):

@@ -28,6 +28,10 @@ TEXT = 240
 LONG_TEXT = 1000
 MESSAGE_TEXT = 256  # of a message of the NC program, with its end mark
 TIMERS = 128  # counters of #TIMER
+TOOL_OFFSETS = 32  # axis offsets of a tool
+TOOL_PARAMETERS = 60  # free values of a tool
+TOOL_KIN_PARAMETERS = 70
+TOOL_REASON = 128  # why a tool management refuses a tool
 EXTERNAL_BYTES = 65536  # area of the external variables
 EXTERNAL_NAMES = 1024  # external variables and elements of structures with a name
 EXTERNAL_PATH = 96
@@ -171,8 +175,10 @@ class TechnologyUnit(c.Structure):
     CNC: fills the data, lowers done_w, raises please_rw. PLC: copies, lowers please_rw (taken); raises done_w when the
     action is finished (executed). Kinds without acknowledgement (MOS) end when they are taken: their done_w is left
     alone. `value` is the additional value of M and H; for S `position` and `revolutions` in 0.0001 degrees and 0.001
-    degrees/s; for T `number` is the tool. `sequence_r` counts the functions of the area from 1: the order in which
-    they were put out.
+    degrees/s; for T `number` is the tool. `time` of MOS_TS is the moment within the cycle in which please_rw is raised,
+    µs from its start. `sequence_r` counts the functions of the area from 1, both arrays together: the order in which
+    they were put out. `nr_late_sync_r` counts the late functions of the area that are not done, this one included.
+    `spindle_r` is the logical axis number of a spindle that the PLC itself moves, else 0.
     """
 
     _fields_ = [
@@ -185,6 +191,8 @@ class TechnologyUnit(c.Structure):
         ("position_r", c.c_int32),
         ("revolutions_r", c.c_int32),
         ("sequence_r", c.c_uint32),
+        ("nr_late_sync_r", c.c_uint16),
+        ("spindle_r", c.c_uint16),
         ("fkt_ctrl_r", c.c_uint16),
         ("please_rw", c.c_bool),
         ("done_w", c.c_bool),
@@ -204,6 +212,96 @@ class MessageUnit(c.Structure):
     """
 
     _fields_ = [("request_r", MessageText), ("sequence_r", c.c_uint32), ("request_semaphor_rw", c.c_bool)]
+
+
+# --------------------------------------------------------------------------------------------- tool management
+
+
+class ToolIdentity(c.Structure):
+    """What names a tool; sister and variant count if their flag is TRUE."""
+
+    _fields_ = [
+        ("basic", c.c_int32),
+        ("sister", c.c_int32),
+        ("variant", c.c_int32),
+        ("sister_valid", c.c_bool),
+        ("variant_valid", c.c_bool),
+    ]
+
+
+class ToolData(c.Structure):
+    """The data of a tool: lengths 0.1 µm (offsets of axes that turn 0.0001 degrees), speeds 0.001 degrees/s, acceleration
+    degrees/s^2; `kin_parameters` 0.1 µm or 0.0001 degrees. `parameters` are free values."""
+
+    _fields_ = [
+        ("id", ToolIdentity),
+        ("valid", c.c_bool),
+        ("tool_fixed", c.c_bool),
+        ("type", c.c_uint16),  # 0 milling, 1 turning, 2 grinding
+        ("cutter_position", c.c_uint16),
+        ("sub_type", c.c_uint32),
+        ("kin_id", c.c_uint32),
+        ("spindle", c.c_uint32),  # logical axis number, 0 none
+        ("radius", c.c_int32),
+        ("length", c.c_int32),
+        ("offsets", c.c_int32 * TOOL_OFFSETS),
+        ("min_speed", c.c_uint32),
+        ("max_speed", c.c_uint32),  # 0: not limited by the tool
+        ("max_acceleration", c.c_uint32),  # 0: not limited by the tool
+        ("parameters", c.c_double * TOOL_PARAMETERS),
+        ("kin_parameters", c.c_double * TOOL_KIN_PARAMETERS),
+    ]
+
+
+class ToolRequest(c.Structure):
+    """`kind` 1: data of the tool are wanted, 2: it comes next (T), 3: `parameters` are those that it has now."""
+
+    _fields_ = [
+        ("kind", c.c_uint32),
+        ("sequence", c.c_uint32),
+        ("id", ToolIdentity),
+        ("parameters", c.c_double * TOOL_PARAMETERS),
+    ]
+
+
+class ToolAnswer(c.Structure):
+    """To the request of kind 1 with this `sequence`: the tool, or that it is refused, and why."""
+
+    _fields_ = [
+        ("sequence", c.c_uint32),
+        ("refused", c.c_bool),
+        ("reason", c.c_char * TOOL_REASON),
+        ("data", ToolData),
+    ]
+
+
+class ToolManagementUnit(c.Structure):
+    """An external tool management. The CNC fills `request_r` and raises its flag, the PLC copies and lowers it; for kind 1 it
+    fills `answer_w` then and raises that flag, the CNC takes and lowers it."""
+
+    _fields_ = [
+        ("request_r", ToolRequest),
+        ("answer_w", ToolAnswer),
+        ("request_semaphor_rw", c.c_bool),
+        ("answer_semaphor_rw", c.c_bool),
+    ]
+
+
+class ToolLifeReport(c.Structure):
+    """How long, and how far, a tool was in use since the report before."""
+
+    _fields_ = [
+        ("id", ToolIdentity),
+        ("time_ms", c.c_uint32),
+        ("distance", c.c_int64),  # 0.1 µm
+        ("sequence", c.c_uint32),
+    ]
+
+
+class ToolLifeUnit(c.Structure):
+    """Reports of tool life: the CNC fills one and raises the flag, the PLC copies and lowers it."""
+
+    _fields_ = [("report_r", ToolLifeReport), ("report_semaphor_rw", c.c_bool)]
 
 
 # --------------------------------------------------------------------------------------------- areas
@@ -348,6 +446,11 @@ class ChannelStatus(c.Structure):
         ("prepared_blocks_r", c.c_uint32),  # elements in the motion queue
         ("waiting_functions_r", c.c_uint32),  # technology functions not yet acknowledged
         ("error_id_r", c.c_uint32),  # of the error that stopped the channel, 0 none
+        (
+            "techno_path_to_go_r",
+            c.c_uint32,
+        ),  # 0.1 µm to where functions that were put out ahead are waited for (P-CHAN-00212)
+        ("techno_time_to_go_r", c.c_uint32),  # µs, the same; 4294967295: not to be foreseen
     ]
 
 
@@ -365,7 +468,11 @@ class Channel(c.Structure):
         ("lc_reset", LcUnit),  # the PLC forgets the technology functions of this area
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+        ("used_units_late_sync_r", c.c_uint16),
+        ("techno_unit_late_sync", TechnologyUnit * TECHNO_UNITS),  # demanded in a later block: MVS_SLM, MVS_SLP
         ("msg_mc_control", MessageUnit),
+        ("tool_management", ToolManagementUnit),
+        ("tool_life", ToolLifeUnit),
     ]
 
 
@@ -431,6 +538,8 @@ class Axis(c.Structure):
         ("lc_reset", LcUnit),
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+        ("used_units_late_sync_r", c.c_uint16),
+        ("techno_unit_late_sync", TechnologyUnit * TECHNO_UNITS),
     ]
 
 

@@ -4,6 +4,7 @@ More blocks: `control_blocks` (blink, ramp, PID, ...); functions: `iec_functions
 """
 
 from runtime.hli.layout import AxisState, Mode, State, StopCondition
+from runtime.hli.tools import Identity, ManagedTool, RequestKind, ToolLife, ToolOrder
 from runtime.plc_logic.areas import NcMessage
 from runtime.plc_logic.cycle_time import cycle_at
 from runtime.plc_logic.errors import PlcError, PlcFailure
@@ -28,8 +29,10 @@ __all__ = [
     "TON",
     "TP",
     "AxisState",
+    "Identity",
     "Input",
     "Io",
+    "ManagedTool",
     "Mode",
     "NcFunction",
     "NcMessage",
@@ -37,8 +40,11 @@ __all__ = [
     "PlcError",
     "PlcFailure",
     "Program",
+    "RequestKind",
     "State",
     "StopCondition",
+    "ToolLife",
+    "ToolOrder",
     "cycle_at",
     "h_function",
     "m_function",

@@ -22,6 +22,7 @@ from runtime.hli.layout import (
 from runtime.hli.memory import get_text, put_text
 from runtime.hli.messages import MessageTaker, Offered
 from runtime.hli.modes import Wish
+from runtime.hli.tools import ToolStore
 from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED
 
 
@@ -161,6 +162,7 @@ class ChannelPort(_Area):
         self._continue = _OneShot(channel.control.continue_motion)
         self._reset = _OneShot(channel.control.reset)
         self._messages = MessageTaker(channel)
+        self.tools = ToolStore(channel)  # for an external tool management: requests, answers, tool life
         self._waiting: Wish | None = None
         self.claims_orders = False  # TRUE: the operator's orders (start, stop) wait for allow_order or refuse_order
         self.operator = OperatorWishes(channel.control)

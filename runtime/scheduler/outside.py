@@ -7,7 +7,7 @@ here; meanwhile the preparation asks the decoder for nothing more.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import datetime
 
 from runtime.cnc.blocks import Floats, Message, Receiver, TimerCommand, UserError
@@ -18,6 +18,7 @@ from runtime.config.machine import Machine
 from runtime.hli.external import external_area
 from runtime.hli.layout import Hli, Mode
 from runtime.hli.timers import Timers
+from runtime.hli.tools import Identity, RequestKind, ToolAnswered, ToolRequests
 
 _RECEIVERS = tuple(Receiver)
 
@@ -31,6 +32,7 @@ class RunningMachine:
         self._link = link
         self._head = hli.head
         self._timers = Timers(hli)
+        self._tools = ToolRequests(hli.channels[0])
         self._external = external_area(hli)
         self._backlog: deque[Report] = deque()
         self._number = link.told.last  # of the report told last; goes on when the preparation starts anew
@@ -90,6 +92,7 @@ class RunningMachine:
 
     def hand_over(self) -> bool:
         """Pass on what waits here, as far as there is room; TRUE if some of it still waits."""
+        self._tools.hand_over()
         told = self._link.told
         while self._backlog and told.free:
             told.put(self._backlog.popleft())
@@ -107,6 +110,18 @@ class RunningMachine:
         """A program starts or is aborted: what was not handed over is not told any more."""
         self._number -= len(self._backlog)
         self._backlog.clear()
+        self._tools.forget()
+
+    # ------------------------------------------------------------------ external tool management
+
+    def has_tool_management(self) -> bool:
+        return self._tools.present
+
+    def ask_tool(self, kind: RequestKind, tool: Identity, parameters: Sequence[float] = ()) -> int:
+        return self._tools.ask(kind, tool, parameters)
+
+    def tool_answered(self, request: int) -> ToolAnswered | None:
+        return self._tools.answered(request)
 
     # ------------------------------------------------------------------ timers
 

@@ -15,7 +15,15 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs
+from runtime.cnc.path_preparation import (
+    CornerDecelerations,
+    LateSynchronisation,
+    PumpState,
+    QueueWriter,
+    SoftwareLimits,
+    SpatialArcs,
+)
+from runtime.cnc.path_preparation.weight_tables import path_weights
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.cnc.tools.table import ToolTable
@@ -52,6 +60,7 @@ class Preparation:
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
         self._memory = ChannelMemory(self._setup, tools)
+        self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
@@ -116,12 +125,20 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = SoftwareLimits.of(self._machine, self._channel)(SpatialArcs()(ToolRadiusCompensation()(source)))
+        blocks = source
+        limits = SoftwareLimits.of(self._machine, self._channel)
+        for stage in (self._late, ToolRadiusCompensation(), SpatialArcs(), CornerDecelerations(), limits):
+            blocks = stage(blocks)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
         self._writer = QueueWriter(
-            self._queue, self._axis_limits, self._period, self._names, self._outside.error_texts.describe
+            self._queue,
+            self._axis_limits,
+            self._period,
+            self._names,
+            self._outside.error_texts.describe,
+            path_weights(self._machine, self._channel),
         )
 
     def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:

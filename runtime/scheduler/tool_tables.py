@@ -12,6 +12,7 @@ from pathlib import Path
 from runtime.cnc.tools.list_file import read_tool_list
 from runtime.cnc.tools.table import MemoryTools, SqliteTools, ToolTable, ToolTableError
 from runtime.cnc.tools.tool import Tool
+from runtime.cnc.tools.written import ToolAxes
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import tools as catalogue
 from runtime.diagnostics.errors import Place
@@ -27,12 +28,13 @@ def database(machine: Machine, environment: Mapping[str, str]) -> Path:
     return state_directory(machine.state_directory, environment) / FILE
 
 
-def rotary_axes(machine: Machine) -> frozenset[int]:
-    """Channel indices of the axes that turn."""
+def tool_axes(machine: Machine) -> ToolAxes:
+    """The axes of the channel, as tools name them."""
     axes = machine.channels[0].axes
-    return frozenset(
+    rotary = frozenset(
         i for i, name in enumerate(axes) if machine.axes[machine.axis_index(name)].type is not AxisType.LINEAR
     )
+    return ToolAxes(axes, rotary)
 
 
 def initial_tools(machine: Machine) -> tuple[Tool, ...]:
@@ -40,13 +42,18 @@ def initial_tools(machine: Machine) -> tuple[Tool, ...]:
     if machine.tools.initial_list is None:
         return ()
     path = _file(machine.tools.initial_list)
-    read = read_tool_list(path, rotary_axes(machine))
+    read = read_tool_list(path, tool_axes(machine).rotary)
     if read.problems:
         raise ToolTableError.of(read.problems)
-    limit = machine.channels[0].parameters.configuration.decoder.tools
-    if len(read.tools) > limit:
-        raise ToolTableError(catalogue.TOOLS_MANY, Place(file=str(path)), count=len(read.tools), limit=limit)
+    expect_room(machine, len(read.tools))
     return read.tools
+
+
+def expect_room(machine: Machine, count: int) -> None:
+    """ToolTableError if the channel has no room for so many tools (P-CHAN-00419)."""
+    limit = machine.channels[0].parameters.configuration.decoder.tools
+    if count > limit:
+        raise ToolTableError(catalogue.TOOLS_MANY, count=count, limit=limit)
 
 
 def _file(name: str) -> Path:

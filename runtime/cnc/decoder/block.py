@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
-from runtime.cnc.blocks import Block, Source, Stop
+from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, Stop
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
@@ -26,7 +27,9 @@ from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
-from runtime.cnc.decoder.tool_words import data_number, tool_words
+from runtime.cnc.decoder.tool_management import give_back_at_start
+from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
+from runtime.cnc.dynamic_settings import USUAL
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
@@ -51,8 +54,11 @@ class WordBlocks:
         self._flow = flow
 
     def begin_program(self) -> None:
-        """The zero offset and the G functions that hold from program start on (V.G.NP_DEFAULT, prog_start.g_gruppe)."""
+        """What holds from program start on: dynamics, zero offset (V.G.NP_DEFAULT), G functions (prog_start.g_gruppe)."""
+        if self._x.dynamics != USUAL:
+            self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
         select_zero_offset(self._x, self._x.memory.zero_default)
+        give_back_at_start(self._x)
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
@@ -125,6 +131,8 @@ class WordBlocks:
                 if not x.levels.entered:
                     cycles.after_block(x, False)
             return
+        if not tools_ready(x, block, values):
+            return
         x.axis_words = {axis: values[slot] for axis, slot in block.axes}
         x.letters = {index: values[slot] for index, slot in block.interpolation}
         x.additions = {name: values[slot] for name, slot in block.additions}
@@ -133,7 +141,7 @@ class WordBlocks:
         x.end_feed = None
         x.feed_change = None
         x.exact_stop = x.compensation.tangential = 0
-        x.feed_taken = x.override_off = x.radius_taken = False
+        x.feed_taken = x.override_off = x.brake_in_front = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
         self._alone(block, calls)
@@ -168,7 +176,12 @@ class WordBlocks:
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         for before in functions.leading():
             x.emit(before)
+        brakes = x.brake_in_front and x.dynamics.late_braking  # G09 for this block only
+        if brakes:
+            x.emit(DynamicsChange(x.source, replace(x.dynamics, late_braking=False)))
         motion = self._motion(block, values)
+        if brakes:
+            x.emit(DynamicsChange(x.source, x.dynamics))
         x.stop_exactly(motion and block.dwell < 0)
         for behind in functions.trailing():
             x.emit(behind)
@@ -178,6 +191,8 @@ class WordBlocks:
             x.emit(Stop(x.source, kind))
         if motion or x.tools.moved:
             x.block_end()
+        if functions.flush:
+            x.emit(Flush(x.source, FlushKind.WAIT))
         if block.goto is not None:  # a call in the same block is executed before the program goes on there
             self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)
         for _, _, action in actions:

@@ -21,15 +21,16 @@ from runtime.cnc.decoder.levels import Levels
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
-from runtime.cnc.decoder.outside import Offline, Outside
+from runtime.cnc.decoder.outside import Offline, Outside, WaitForOutside
 from runtime.cnc.decoder.plain import NeedsFull, PlainRuns
 from runtime.cnc.decoder.program import Program
 from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.decoder.sequences import next_pass
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.tool_management import ToolWait
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.compiler import CompiledBlock
+from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.index import MIDDLE, Unit
 from runtime.cnc.language.isg.words import WordKind
@@ -52,6 +53,12 @@ def _no_levels() -> int:
 def _reached_from_above(block: CompiledBlock) -> bool:
     """Whether the block is the head of a branch: as a block of its own it only leads out, its condition is not asked."""
     return block.control is not None and block.control.control in MIDDLE
+
+
+def _values(x: Execution, block: CompiledBlock) -> Values:
+    """The values of a block; of one that waits for its tool those that it had: its assignments are not executed twice."""
+    waiting = x.waiting
+    return waiting.values if isinstance(waiting, ToolWait) and waiting.block is block else block.values()
 
 
 class Decoder:
@@ -286,7 +293,7 @@ class Decoder:
                 block.values()
                 after_block(x, False)
                 return
-            values = block.values()
+            values = block.values() if x.waiting is None else _values(x, block)
             if block.control is not None:
                 if block.flush and not _reached_from_above(block):
                     additions.expect_no_line(x)
@@ -304,6 +311,8 @@ class Decoder:
             self._words.execute(frame, entry, block, values)
             if x.again is not None:
                 additions.expect_no_line(x)
+        except WaitForOutside as wait:
+            x.repeat(str(wait))
         except LineError as error:
             raise self._error(unit, error.column, block, error.entry, error.values) from None
         except GeometryError as error:

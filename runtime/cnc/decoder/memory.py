@@ -24,6 +24,7 @@ from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
 from runtime.cnc.tools.table import MemoryTools, ToolTable
+from runtime.cnc.tools.tool import Tool
 
 TIMERS = 128  # counters of #TIMER (line 15524)
 ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
@@ -47,6 +48,7 @@ class ChannelMemory:
 
     def __init__(self, setup: DecoderSetup, tools: ToolTable | None = None) -> None:
         self.tools = MemoryTools() if tools is None else tools
+        self.tool_left: Tool | None = None  # of an external management, that the last program has selected
         self.tool_writes = 0  # V.G.TOOL_LIST_INVOKE
         n = len(setup.axes)
         self.zero_offsets: Floats = np.zeros((ZERO_OFFSET_SETS, n))
@@ -60,6 +62,8 @@ class ChannelMemory:
         self.macro_version = 0
         self.m_synch: dict[int, Synch] = dict(setup.m_synch)
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
+        self.m_ahead: dict[int, int] = dict(setup.m_ahead)  # 0.1 µm or µs
+        self.h_ahead: dict[int, int] = dict(setup.h_ahead)
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
         self.report = ReportCount()
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so

@@ -6,13 +6,19 @@ machine (`tandem check`, `tandem blocks`, tests).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Protocol
 
 from runtime.cnc.blocks import Floats, Message, TimerCommand, UserError
 from runtime.hli.layout import Mode
+from runtime.hli.tools import Identity, RequestKind, ToolAnswered
 
 EXTERNAL_BYTES = 65536  # of the area of external variables
+
+
+class WaitForOutside(Exception):  # noqa: N818 - it is none: the block is executed again
+    """A value is not there yet. The text says what is waited for."""
 
 
 class Outside(Protocol):
@@ -54,6 +60,15 @@ class Outside(Protocol):
 
     def operating_mode(self) -> int:
         """The mode that the program was started in, as the HLI numbers it."""
+
+    def has_tool_management(self) -> bool:
+        """Somebody is there who answers for an external tool management."""
+
+    def ask_tool(self, kind: RequestKind, tool: Identity, parameters: Sequence[float] = ()) -> int:
+        """A request to the external tool management; its number, for `tool_answered`. Not more than three at a time."""
+
+    def tool_answered(self, request: int) -> ToolAnswered | None:
+        """The answer to a request for data, None as long as there is none."""
 
     def changes_files(self) -> bool:
         """Report files are written, files renamed and deleted; a check leaves all files as they are."""
@@ -108,6 +123,15 @@ class Offline:
     def operating_mode(self) -> int:
         """A check takes the ways through the program that the machine takes in automatic mode."""
         return int(Mode.AUTOMATIC)
+
+    def has_tool_management(self) -> bool:
+        return False
+
+    def ask_tool(self, kind: RequestKind, tool: Identity, parameters: Sequence[float] = ()) -> int:
+        return 0
+
+    def tool_answered(self, request: int) -> ToolAnswered | None:
+        return None
 
     def changes_files(self) -> bool:
         return False

@@ -10,6 +10,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, require_feed
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.decoder.motion import expect_in_range, pcs_gain, programmed_at
+from runtime.cnc.decoder.tool_management import ToolWait, announce_outside, ready
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.functions import round_half_up
@@ -20,11 +21,24 @@ from runtime.diagnostics.catalogue import language
 from runtime.diagnostics.catalogue import tools as catalogue
 
 
+def tools_ready(x: Execution, block: CompiledBlock, values: Values) -> bool:
+    """Before anything of the block is done: whether the tool that it selects is at hand; else it is executed once more."""
+    if block.tool < 0 and block.tool_data < 0:
+        return True
+    if block.tool >= 0 and not isinstance(x.waiting, ToolWait):
+        announce_outside(x, ToolId(_position(values[block.tool], block.column(WordKind.TOOL))))
+    number = data_number(x, block, values)
+    if number is None or not (x.setup.tools.external or x.setup.tools.wait_at_d):
+        return True
+    column = block.column(WordKind.TOOL_DATA if block.tool_data >= 0 else WordKind.TOOL)
+    return ready(x, ToolId(number), column, values)
+
+
 def tool_words(x: Execution, block: CompiledBlock, values: Values) -> None:
-    """T and D of the block: T first, so that a D beside it finds what T has announced. LineError for what cannot be selected."""
+    """T and D of the block. LineError for what cannot be selected."""
     x.tools.moved = False
     if block.tool >= 0:
-        announce(x, ToolId(_position(values[block.tool], block.column(WordKind.TOOL))))
+        x.tools.id = ToolId(_position(values[block.tool], block.column(WordKind.TOOL)))
     number = data_number(x, block, values)
     if number is not None:
         column = block.column(WordKind.TOOL_DATA if block.tool_data >= 0 else WordKind.TOOL)
@@ -53,11 +67,6 @@ def _position(value: float, column: int) -> int:
     return round_half_up(value)
 
 
-def announce(x: Execution, tool: ToolId) -> None:
-    """T or #TOOL PREP: which tool comes next. It changes nothing of the tool that is active."""
-    x.tools.id = tool
-
-
 def select(x: Execution, number: int, column: int) -> None:
     """D: the data of a tool hold from here on; 0: those of none."""
     _use(x, NO_TOOL if number == 0 else fetched(x, number, column), column)
@@ -65,7 +74,7 @@ def select(x: Execution, number: int, column: int) -> None:
 
 def select_id(x: Execution, wanted: ToolId, column: int) -> None:
     """#TOOL DATA: as `select`, of the tool with this identity; without sister and variant it is that of the number."""
-    if wanted == ToolId(wanted.basic):
+    if wanted == ToolId(wanted.basic) or x.setup.tools.external:
         select(x, wanted.basic, column)
         return
     try:
@@ -83,7 +92,11 @@ def _use(x: Execution, tool: Tool, column: int) -> None:
 
 
 def fetched(x: Execution, number: int, column: int) -> Tool:
-    """A tool of the table. LineError if there is none."""
+    """The tool that the external management has given, else that of the table. LineError if there is none."""
+    if x.setup.tools.external:
+        given, x.tools.fetched = x.tools.fetched, None
+        assert given is not None  # the block was not executed before it was there
+        return given
     try:
         tool = x.memory.tools.get(number)
     except ToolTableError as error:

@@ -31,6 +31,10 @@ class Tooling:
         self.id = ToolId()
         self.length_axis = _Z if x.setup.tools.length_stays else -1  # of #TLAX, -1: the third axis of the plane
         self.length_sign = 1.0
+        self.fetched: Tool | None = None  # of the external tool management, for the D word in work
+        self.known: dict[
+            int, Tool | tuple[int, int]
+        ] = {}  # what it has told for V.G.WZ[j], or the request and its cycle
         self.moved = False  # the block in work has moved axes by its D word
         self._late: set[int] = set()  # axes that never move by a D word itself: see `assigned`
 
@@ -52,6 +56,8 @@ class Tooling:
         """The data of the active tool change. As `use`."""
         before = self.active.radius
         self.active = tool
+        if self._x.setup.tools.external:
+            self._x.memory.tool_left = tool if tool.number else None
         if tool.radius != before:
             self._x.emit(ToolRadius(self._x.source_in_work(), tool.radius))
         changed = self.include()

@@ -13,10 +13,10 @@ from pathlib import Path
 
 from runtime.cnc.tools.table import ToolTableError
 from runtime.cnc.tools.tool import FIELDS, GREATEST_NUMBER, Field, FieldError, Kind, Tool
+from runtime.cnc.tools.written import INCH, expect_radius
 from runtime.diagnostics.catalogue import tools as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem
 
-INCH = 25.4  # mm
 LARGEST_LIST = 10_000_000  # bytes
 _LINE = re.compile(r"\s*(?P<key>[^\s#;]+)(?:\s+(?P<value>[^\s#;]+))?")
 _KEY = re.compile(r"wz\[(\d+)\]\.([a-z_.]+)(?:\[(\d+)\])?(\.[a-z_.\[\]0-9]+)?\Z")
@@ -159,12 +159,6 @@ class _Reading:
         angle = field.kind is Kind.OFFSET and index in self._rotary
         length = field.kind in (Kind.LENGTH, Kind.OFFSET) and not angle
         return INCH if length and self._inch.get(number, False) else 1.0
-
-
-def expect_radius(tool: Tool, changed: str) -> None:
-    """FieldError for a negative radius: in a table it is a typing error, which would cut on the wrong side of the contour."""
-    if changed == "radius" and tool.radius < 0:
-        raise FieldError(catalogue.NEGATIVE_RADIUS, number=tool.number, value=tool.radius)
 
 
 def _number(text: str) -> float | None:

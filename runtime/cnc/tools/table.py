@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from runtime.cnc.tools.tool import FIELDS, Kind, Tool
+from runtime.cnc.tools.tool import FIELDS, Tool
 from runtime.diagnostics.catalogue import tools as catalogue
 from runtime.diagnostics.errors import Place, Problem, TandemError
 
@@ -100,6 +100,12 @@ class SqliteTools:
         with self._told(), self._transaction():
             self._insert(tools)
 
+    def replace(self, *tools: Tool) -> None:
+        """These tools are all that there are."""
+        with self._told(), self._transaction():
+            self._connection.execute("DELETE FROM tools")
+            self._insert(tools)
+
     def _insert(self, tools: Iterable[Tool]) -> None:
         marks = ", ".join("?" for _ in range(len(FIELDS) + 1))
         self._connection.executemany(f"INSERT OR REPLACE INTO tools VALUES ({marks})", map(_row, tools))
@@ -153,19 +159,3 @@ def _tool(row: tuple[Any, ...]) -> Tool:
         else:
             made[name] = field.checked(value)
     return Tool(row[0], **made)
-
-
-def as_values(tool: Tool) -> Mapping[str, Any]:
-    """The fields of a tool by their name, the elements of one with several as `name[0]` …; those that are not set are left out,
-    but for radius, length and validity."""
-    shown: dict[str, Any] = {}
-    for name, field in FIELDS.items():
-        value = getattr(tool, name)
-        if field.count:
-            shown |= {f"{name}[{i}]": element for i, element in enumerate(value) if element != 0.0}
-        elif value != _UNSET[field.kind] or name in ("radius", "length", "valid"):
-            shown[name] = value
-    return shown
-
-
-_UNSET: dict[Kind, Any] = {kind: "" if kind is Kind.TEXT else 0 for kind in Kind}

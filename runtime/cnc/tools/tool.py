@@ -23,7 +23,7 @@ LENGTH_LIMIT = 214_748.0  # mm: what a signed 32 bit number of 0.1 µm holds
 
 
 class ToolType(IntEnum):
-    MILL = 0
+    MILLING = 0
     TURNING = 1
     GRINDING = 2
 
@@ -46,7 +46,7 @@ class Tool:
 
     number: int
     name: str = ""
-    type: int = ToolType.MILL
+    type: int = ToolType.MILLING
     sub_type: int = 0
     valid: bool = True
     radius: float = 0.0

@@ -9,10 +9,32 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from runtime.diagnostics.catalogue import configuration, fieldbus, language, machine, motion, plc, radius, system, tools
+from runtime.diagnostics.catalogue import (
+    configuration,
+    fieldbus,
+    language,
+    machine,
+    motion,
+    plc,
+    radius,
+    system,
+    technology,
+    tools,
+)
 from runtime.diagnostics.errors import ErrorEntry
 
-_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine, tools, radius)
+_AREAS: tuple[ModuleType, ...] = (
+    language,
+    motion,
+    configuration,
+    fieldbus,
+    plc,
+    system,
+    machine,
+    technology,
+    tools,
+    radius,
+)
 
 
 def _collect() -> dict[int, ErrorEntry]:

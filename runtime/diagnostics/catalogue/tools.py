@@ -96,3 +96,53 @@ NEGATIVE_RADIUS = ErrorEntry(
     "the radius of tool {number}, {value:g}, is negative",
     remedy="to change the side of the compensation a program may write V.G.WZ_AKT.R",
 )
+FIELD_UNKNOWN = ErrorEntry(307042, "a tool has no datum {field!r}", remedy="known: {known}")
+UNIT_WRONG = ErrorEntry(307043, "{field} = {value!r}: this unit does not belong to it", remedy="units: {units}")
+TOOL_TWICE = ErrorEntry(307044, "tool {number} stands twice")
+CSV_NUMBER = ErrorEntry(307045, "a column `number` is missing in the first line")
+COLUMN_TWICE = ErrorEntry(307046, "the column {name!r} stands twice")
+CSV_CELLS = ErrorEntry(307047, "the line has {count} cells, the first one {expected}")
+ASSIGNMENT = ErrorEntry(
+    307048, "{text!r} is no assignment", remedy="write <datum>=<value>, e.g. radius=5 or length='50 mm'"
+)
+FILE_KIND = ErrorEntry(
+    307049,
+    "what {name} holds is not known by its name",
+    remedy="tool lists end with .lis, tables of spreadsheets with .csv",
+)
+
+# -- external tool management --------------------------------------------------------------------------------------
+
+MANAGEMENT_ABSENT = ErrorEntry(
+    307060,
+    "tool {tool} is wanted of an external tool management, and there is no PLC",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the management is a part of the PLC program; without one set ext_wzv_vorhanden to 0 (P-CHAN-00016)",
+)
+MANAGEMENT_LATE = ErrorEntry(
+    307061,
+    "the tool management does not answer for tool {tool}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="check the PLC program; tools.answer_timeout of the machine description is how long it has",
+)
+MANAGEMENT_REFUSED = ErrorEntry(
+    307062, "the tool management refuses tool {tool}: {reason}", reaction=Reaction.STOP_AT_BLOCK_END
+)
+MANAGEMENT_OTHER = ErrorEntry(
+    307063,
+    "the tool management has answered with the data of tool {other} for tool {tool}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="the basic number of the answer has to be that of the request",
+)
+MANAGEMENT_ALONE = ErrorEntry(
+    307064,
+    "data of an external tool management are read in a block with several assignments",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write the assignment into a block of its own: it waits for the answer",
+)
+MANAGEMENT_UNKNOWN = ErrorEntry(
+    307065,
+    "tool {tool} is that of an external tool management: without the machine it is taken to have no dimensions",
+    Severity.WARNING,
+    Reaction.NONE,
+)

@@ -296,11 +296,11 @@ def test_unknown_synchronisation_types(text: str) -> None:
     assert "m_synch[7]" in str(caught.value)
 
 
-@pytest.mark.parametrize("text", ["MVS_SLM", "MET_SVS", "MOS | MVS_SVS", "0x10000002", "MOS | NOT_VALID", "FAW_SYNCH"])
+@pytest.mark.parametrize("text", ["MOS | MVS_SVS", "MOS | NOT_VALID", "0x3", "MVS_SLM | MVS_SLP"])
 def test_synchronisation_types_to_come(text: str) -> None:
     with pytest.raises(DecoderSetupError) as caught:
         parse_synch(text, "m_synch[7]")
-    assert caught.value.problem.entry is C.SYNCH_UNSUPPORTED
+    assert caught.value.problem.entry is C.SYNCH_NOT_ONE
     assert "MVS_SNS" in caught.value.problem.explained()
 
 

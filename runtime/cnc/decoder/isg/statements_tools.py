@@ -6,7 +6,8 @@ from runtime.cnc.blocks import Synch, Technology, TechnologyFunction
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.decoder.technology import Functions
-from runtime.cnc.decoder.tool_words import announce, move_at_once, select, select_id
+from runtime.cnc.decoder.tool_management import announce_outside, ready
+from runtime.cnc.decoder.tool_words import move_at_once, select, select_id
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form
 from runtime.cnc.tools.tool import GREATEST_NUMBER, ToolId
@@ -56,7 +57,8 @@ def tool_id(call: StatementCall) -> ToolId:
 def prepare(x: Execution, call: StatementCall) -> None:
     """The same as T: the PLC gets to know which tool comes next."""
     tool = tool_id(call)
-    announce(x, tool)
+    x.tools.id = tool
+    announce_outside(x, tool)
     if x.setup.tool_synch != Synch.NO_SYNCH:
         functions = Functions(x.source)
         functions.add(TechnologyFunction(x.source, Technology.T, tool.basic, 0.0, x.setup.tool_synch))
@@ -74,6 +76,8 @@ def prepare(x: Execution, call: StatementCall) -> None:
 def request(x: Execution, call: StatementCall) -> None:
     """The same as D: the data of the tool hold from here on."""
     tool = tool_id(call)
+    if (x.setup.tools.external or x.setup.tools.wait_at_d) and not ready(x, tool, call.column):
+        return
     if tool == ToolId():
         select(x, 0, call.column)
     else:

@@ -12,12 +12,13 @@ from typing import Any
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import variable, writes
 from runtime.cnc.decoder.isg.variables_channel import index_between
+from runtime.cnc.decoder.tool_management import read_outside
 from runtime.cnc.decoder.tool_words import move_at_once
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import as_number
-from runtime.cnc.tools.list_file import expect_radius
 from runtime.cnc.tools.table import ToolTableError
 from runtime.cnc.tools.tool import FIELDS, GREATEST_NUMBER, Field, FieldError, Kind, Tool
+from runtime.cnc.tools.written import expect_radius
 from runtime.diagnostics.catalogue import tools as catalogue
 
 _TABLE, _ACTIVE, _WEAR = "isg.var.g-tool-table", "isg.var.g-active-tool", "isg.var.g-tool-wear"
@@ -72,6 +73,8 @@ def changed(x: Execution, tool: Tool, field: Field, value: Any, index: int, name
 def in_table(x: Execution, value: float, name: str) -> Tool:
     """The tool with a number. CalculationError if there is none."""
     number = index_between(value, 0, GREATEST_NUMBER, name)
+    if x.setup.tools.external:
+        return read_outside(x, number, name)
     try:
         tool = x.memory.tools.get(number)
     except ToolTableError as error:
@@ -109,6 +112,8 @@ def _table_variable(field: Field) -> None:
         return shown(x, field, in_table(x, number, name).value(field.name, index), index)
 
     def write(x: Execution, value: Any, number: float, *indices: float) -> None:
+        if x.setup.tools.external:
+            raise CalculationError(catalogue.TABLE_FOREIGN, name)
         tool, index = in_table(x, number, name), _element(field, indices, name)
         tool = changed(x, tool, field, value, index, name)
         try:
@@ -125,11 +130,7 @@ def _table_variable(field: Field) -> None:
 
 def change_active(x: Execution, field: Field, value: Any, index: int, name: str) -> None:
     """A datum of the active tool: it acts like a D word."""
-    tool = changed(x, x.tools.active, field, value, index, name)
-    if field.name in ("radius", "length", "offsets"):
-        move_at_once(x, x.tools.change(tool))
-    else:
-        x.tools.active = tool
+    move_at_once(x, x.tools.change(changed(x, x.tools.active, field, value, index, name)))
 
 
 def _active_variable(field: Field) -> None:
