@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import partial
 
 import numpy as np
 
@@ -42,20 +43,20 @@ def measure() -> list[Figure]:
         sharp = list(_compensated(_sharp(), settings))
         runs = list(_compensated(_runs(), settings))
         few = list(_compensated(_contour(CORNERS // 10), settings))
-        whole, part = seconds(lambda blocks=contour: _drain(blocks)), seconds(lambda blocks=few: _drain(blocks))
+        whole, part = seconds(partial(_drain, contour)), seconds(partial(_drain, few))
         rows += [
             Figure(f"lines and tangential arcs, {name}", 2 * CORNERS / whole, "blocks/s", CONTOUR_LIMIT, "higher"),
             Figure(f"ten times as many blocks take as many times longer, {name}", whole / part / 10, "times"),
             Figure(
                 f"lines and arcs, every corner inside or outside, {name}",
-                2 * CORNERS / seconds(lambda blocks=sharp: _drain(blocks)),
+                2 * CORNERS / seconds(partial(_drain, sharp)),
                 "blocks/s",
                 CONTOUR_LIMIT,
                 "higher",
             ),
             Figure(
                 f"runs of short lines, {name}",
-                MOVES / seconds(lambda blocks=runs: _drain(blocks)),
+                MOVES / seconds(partial(_drain, runs)),
                 "blocks/s",
                 RUN_LIMIT,
                 "higher",

@@ -20,6 +20,7 @@ from tests.cnc.tool_radius_comp.paths import Motion
 
 Point = tuple[float, float]
 CHORD = 1e-3  # mm: by how much the judge's polygons of arcs are off
+SHARPEST = 165.0  # degrees: what is sharper may cross itself by less than the judges see
 PLACES = 24  # on each motion where the distance is taken
 
 
@@ -52,6 +53,11 @@ class Edge:
         dx, dy = x - cx, y - cy
         return cx + dx * math.cos(phi) - dy * math.sin(phi), cy + dx * math.sin(phi) + dy * math.cos(phi)
 
+    def heading(self, share: float) -> float:
+        """Direction of travel at a share of the edge, degrees."""
+        chord = math.degrees(math.atan2(self.end[1] - self.start[1], self.end[0] - self.start[0]))
+        return chord + self.angle * (share - 0.5)
+
     def distance(self, points: Floats) -> Floats:
         """Distance of points (k, 2) from the edge, (k,)."""
         start, end = np.array(self.start), np.array(self.end)
@@ -60,12 +66,12 @@ class Edge:
             along = end - start
             share = (points - start) @ along / (along @ along)
             beside = np.abs((points - start) @ np.array([-along[1], along[0]])) / math.hypot(*along)
-            return np.where((share >= 0) & (share <= 1), beside, ends)
+            return np.asarray(np.where((share >= 0) & (share <= 1), beside, ends))
         centre = np.array(self.centre)
         turned = np.arctan2(*(points - centre).T[::-1]) - math.atan2(*(start - centre)[::-1])
         turned = np.mod(turned * math.copysign(1, self.angle), 2 * math.pi)
         to_circle = np.abs(np.hypot(*(points - centre).T) - self.radius)
-        return np.where(turned <= abs(math.radians(self.angle)), to_circle, ends)
+        return np.asarray(np.where(turned <= abs(math.radians(self.angle)), to_circle, ends))
 
     def rough(self) -> list[Point]:
         """Points on the edge, without its end, for the judge of shapes."""
@@ -95,8 +101,17 @@ def random_contour(random: Random) -> list[Edge]:
         middle = first.at(0.5)
         edges = [Edge(middle, first.end, first.angle / 2), *edges[1:], Edge(first.start, middle, first.angle / 2)]
         shape = polygon(edges)
-        if shape.is_valid and shape.area > 50 and shape.exterior.is_ccw:
+        if shape.is_valid and shape.area > 50 and shape.exterior.is_ccw and sharpest(edges) < SHARPEST:
             return edges
+
+
+def sharpest(edges: Sequence[Edge]) -> float:
+    """Greatest turn at a corner of a closed contour, degrees."""
+    turns = []
+    for before, after in zip(edges, [*edges[1:], edges[0]], strict=True):
+        difference = after.heading(0.0) - before.heading(1.0)
+        turns.append(abs(math.remainder(difference, 360.0)))
+    return max(turns)
 
 
 def polygon(edges: Sequence[Edge]) -> Polygon:
@@ -118,4 +133,4 @@ def places_of(motion: Motion) -> Floats:
 
 def distances(edges: Sequence[Edge], places: Floats) -> Floats:
     """Distance of places (k, 2) from the contour, (k,)."""
-    return np.min([edge.distance(places) for edge in edges], axis=0)
+    return np.asarray(np.min([edge.distance(places) for edge in edges], axis=0))
