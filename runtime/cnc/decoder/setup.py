@@ -134,6 +134,7 @@ class DecoderSetup:
     g_programs: Mapping[int, str] = field(default_factory=dict)  # P-CHAN-00160…00169, 00187: G number → file
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
+    reference_points: tuple[float, ...] = ()  # where homing finds them, mm or degrees, (n,)
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
     measuring_type: int = 1  # P-CHAN-00057
@@ -145,6 +146,8 @@ class DecoderSetup:
     exact_stop_after_rapid: bool = False  # P-CHAN-00235
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
+    poly_jerk: int = 1  # P-CHAN-00110
+    contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
     radius_compensation: bool = True  # P-CHAN-00092
 
@@ -180,6 +183,7 @@ class DecoderSetup:
             ),
             axis_velocity=tuple(axis.velocity for axis in axes),
             position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
+            reference_points=tuple(axis.homing.position if axis.homing else 0.0 for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
             spindles=spindles,
             zero_offsets=offsets,
@@ -221,6 +225,8 @@ class DecoderSetup:
             feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
             exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
+            poly_jerk=parameters.check_jerk_on_poly_path,
+            contouring_inch=bool(parameters.contouring_consider_inch),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,

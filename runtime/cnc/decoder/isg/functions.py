@@ -1,9 +1,11 @@
 """All registrations of the dialect: importing this module fills the tables."""
 
 from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is named after
+    contouring,
     g_calls,
     g_coordinates,
     g_feed,
+    g_manual,
     g_motion,
     g_offsets,
     g_radius_compensation,
@@ -17,11 +19,13 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_feed_axes,
     statements_file_access,
     statements_files,
+    statements_manual,
     statements_messages,
     statements_positions,
     statements_radius_compensation,
     statements_technology,
     statements_timers,
+    statements_tool_life,
     statements_tools,
     statements_variables,
     variables_axis,

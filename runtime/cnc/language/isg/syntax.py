@@ -31,6 +31,7 @@ class Group(Enum):
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
     EXACT_STOP = "exact stop"
+    MANUAL = "manual mode"
     ACCELERATING = "acceleration or deceleration in the block"
     BRAKING = "where a block brakes"
     CORNER_DECELERATION = "corner deceleration"
@@ -41,6 +42,7 @@ class Group(Enum):
     OUTSIDE_CORNER = "outside corners of the radius compensation"
     COMPENSATED_FEED = "feed of the radius compensation"
     MASKING = "contour masking"
+    CONTOURING = "polynomial contouring"
     NONE = ""  # excludes nothing
 
 
