@@ -13,7 +13,8 @@ import typer
 
 from runtime.cli.explained import explained
 from runtime.cnc.block_json import rows
-from runtime.cnc.decoder import DIALECTS, ChannelMemory, Decoder, DecoderSetup, ProgramError, load_program
+from runtime.cnc.decoder import DIALECTS, ChannelMemory, Decoder, DecoderSetup, ProgramError, load_program, located
+from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import TandemError
 from runtime.scheduler.tool_tables import copied_tools
@@ -36,13 +37,18 @@ def command(
         _tell(error)
         raise typer.Exit(1) from None
     try:
-        for block in Decoder(program, setup, start=np.zeros(len(setup.axes)), memory=memory).blocks():
+        decoder = Decoder(program, setup, start=np.zeros(len(setup.axes)), memory=memory)
+        for block in ToolRadiusCompensation()(decoder.blocks()):
             for row in rows(block, setup.axes):
                 sys.stdout.write(json.dumps(row) + "\n")
         sys.stdout.flush()
     except ProgramError as error:
         sys.stdout.flush()
         _tell(error)
+        raise typer.Exit(1) from None
+    except CompensationError as error:
+        sys.stdout.flush()
+        typer.echo(explained(located(program, error.problem)), err=True)
         raise typer.Exit(1) from None
     except BrokenPipeError:  # the reader has seen enough, e.g. `| head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cli.contours import Contour, draw_contours
 from runtime.cli.picture import BLUE, GREY, VERMILION, draw_curve, draw_limit, use_files
 from runtime.config.machine import Axis, AxisType, Machine
 
@@ -57,9 +58,18 @@ def derivatives(position: Floats, period: float) -> tuple[Floats, Floats, Floats
 
 
 def plot_motion(
-    path: Path, samples: Arrays, rapid: Flags, axes: Sequence[AxisPicture], period: float, title: str
+    path: Path,
+    samples: Arrays,
+    rapid: Flags,
+    axes: Sequence[AxisPicture],
+    period: float,
+    title: str,
+    contours: Sequence[Contour] = (),
 ) -> None:
-    """Draw samples of every cycle (`t` s, one array per axis, `v_path` mm/s) as PNG; `rapid` (k,): of a rapid move."""
+    """Draw samples of every cycle (`t` s, one array per axis, `v_path` mm/s) as PNG; `rapid` (k,): of a rapid move.
+
+    `contours` are those that were driven with radius compensation.
+    """
     use_files()
     import matplotlib.pyplot as plt
 
@@ -71,7 +81,7 @@ def plot_motion(
     figure = plt.figure(figsize=(15.0, 2.0 + 1.75 * (rows + 1)), layout="constrained")
     figure.suptitle(f"{title}    {t[-1]:.3f} s", fontsize=11)
     left, right = figure.subfigures(1, 2, squeeze=False, width_ratios=[1.0, 1.75])[0]
-    _path(left, positions, v, rapid, axes)
+    _path(left, positions, v, rapid, axes, contours)
     grid = right.add_gridspec(rows + 1, 3)
     speed = right.add_subplot(grid[0, :])
     draw_curve(speed, t, v, BLUE)
@@ -96,7 +106,14 @@ def plot_motion(
     plt.close(figure)
 
 
-def _path(figure: object, positions: list[Floats], v: Floats, rapid: Flags, axes: Sequence[AxisPicture]) -> None:
+def _path(
+    figure: object,
+    positions: list[Floats],
+    v: Floats,
+    rapid: Flags,
+    axes: Sequence[AxisPicture],
+    contours: Sequence[Contour],
+) -> None:
     """Plan and side view; cuts are coloured by their speed."""
     stride = max(1, len(v) // _MAX_POINTS)
     q = [position[::stride] for position in positions[:3]]
@@ -115,6 +132,7 @@ def _path(figure: object, positions: list[Floats], v: Floats, rapid: Flags, axes
         view.set_xlabel(names[a])
         view.set_ylabel(names[b])
     plan.set_aspect("equal", adjustable="datalim")
+    draw_contours(plan, contours)
     plan.plot([], [], color=GREY, linestyle="dashed", linewidth=0.8, label="rapid")
     plan.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98))
     figure.colorbar(lines, ax=[plan, side], label="path velocity [m/min]", location="bottom", shrink=0.8, aspect=40)  # type: ignore[attr-defined]

@@ -64,10 +64,11 @@ def command(
     print("end position " + "  ".join(f"{name} {value:.4f}" for name, value in result.positions.items()))
     samples = simulation.samples
     if plot is not None and samples is not None and len(samples.rapid) > 1:
+        from runtime.cli.contours import contours_of
         from runtime.cli.plot_motion import pictures_of, plot_motion
 
-        title = f"{file.name} on {machine.name}"
-        plot_motion(plot, samples.arrays(), samples.rapid, pictures_of(machine), machine.cycle.period, title)
+        title, contours = f"{file.name} on {machine.name}", contours_of(file, machine, dialect)
+        plot_motion(plot, samples.arrays(), samples.rapid, pictures_of(machine), machine.cycle.period, title, contours)
         print(f"picture {plot}")
     if not result.good:
         raise typer.Exit(1)

@@ -327,22 +327,7 @@ class Approach(IntEnum):
     INDIRECT = 139
     ON_PATH = 236
     PERPENDICULAR = 237
-    INSIDE_CORNER = 238
     WITHOUT_BLOCK = 239
-
-
-@dataclass(frozen=True, slots=True)
-class Segments:
-    """#TRC SPLIT: the approach (`pre`) and the exit (`post`) run in segments of their own feed; (mm, mm/min) each.
-
-    `axis` is the index of the axis along which the lengths are measured, None for the path.
-    """
-
-    pre: bool
-    post: bool
-    axis: int | None
-    first: tuple[float, float]
-    second: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -351,18 +336,13 @@ class CompensationSettings:
 
     circular: bool = False  # G26: arcs around outside corners
     adapt_feed: bool = False  # G11: F counts at the cutting edge
-    masking: bool = False  # G141
-    convert_arcs: bool = False  # CONV_CIR_TO_LIN
-    kerf_masking: bool = False
     reverse: bool = False
     ignore_damage: bool = False  # IGNORE_CONT_DAMAGE
-    remove_masked: bool = False  # REMOVE_MASKED_BLOCKS
     extended_limit: bool = False  # EXT_ANGLE_BLOCK_INTERSECTION
     stretch: float = 1.0  # STRETCH_FACTOR, radii
     perpendicular_change: bool = False  # PERPENDICULAR_RADIUS_CHANGE
     line_on_path: bool = False  # G236_LIN
     suppress: bool = False  # SUPPRESS_TRC
-    segments: Segments | None = None  # SPLIT, SPLIT_PATH
 
 
 @dataclass(frozen=True, slots=True)

@@ -57,7 +57,7 @@ FORBIDDEN = (
 FORBIDDEN_G = frozenset({200, 201, 303})
 _PERMITTED = "FLUSH CONTINUE"
 
-_NEED_EXIT = (Approach.DIRECT, Approach.INDIRECT, Approach.ON_PATH, Approach.TANGENTIAL, Approach.INSIDE_CORNER)
+_NEED_EXIT = (Approach.DIRECT, Approach.INDIRECT, Approach.ON_PATH, Approach.TANGENTIAL)
 
 
 class Compensation:

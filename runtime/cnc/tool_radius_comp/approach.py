@@ -9,7 +9,6 @@ the last element is turned around, and so is the way that comes out.
     tangential     an arc that ends in the direction of the element, on its normal
     on the path    along the programmed approach to where it meets the offset, or to one radius before its end and
                    from there around that end
-    inside corner  straight to where last and first element of the closed contour meet
 
 An approach along an arc always ends on its own normal, with the corner behind it.
 """
@@ -33,7 +32,6 @@ from runtime.cnc.tool_radius_comp.elements import (
     Element,
     Elements,
     offset,
-    place,
     way_on,
 )
 from runtime.cnc.tool_radius_comp.meeting import NEAR, meet_circles, meet_line_circle, meet_lines
@@ -66,19 +64,15 @@ def enter(
     block: Elements,
     first: Element,
     settings: CompensationSettings,
-    corner: float = 0.0,
 ) -> Way:
     """The way from the point `from_` to `first`, whose offset is computed already.
 
-    `block` (1,) is the approach block as it is programmed, `corner` for the inside corner the way along `first` to it.
+    `block` (1,) is the approach block as it is programmed.
     """
     if approach is Approach.PERPENDICULAR:
         return Way((Piece(_start(first)),))
     if approach is Approach.TANGENTIAL:
         return Way((_tangential(from_, first),))
-    if approach is Approach.INSIDE_CORNER:
-        x, y = place(first, corner)
-        return Way((Piece((float(x), float(y))),), corner)
     if approach is Approach.ON_PATH:
         return _on_path(block, first, settings)
     inside = turn_to_tool(block[0], first) >= 0.0

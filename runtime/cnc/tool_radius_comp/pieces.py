@@ -71,13 +71,13 @@ def in_pieces(
             share = gone / whole if whole > 0.0 and number < len(pieces) else 1.0
             there = start + share * (end - start)
         there[plane[0]], there[plane[1]] = piece.end
-        if length > NO_LENGTH or (there != here).any():
+        if length > NO_LENGTH or np.abs(there - here).max() > NO_LENGTH:
             yield (
                 straight(block, here, there, feed)
                 if piece.centre is None
                 else _arc(block, here, there, piece, plane, feed)
             )
-        here = there
+            here = there
 
 
 def _begins(start: Floats, plane: tuple[int, int], pieces: list[Piece]) -> list[tuple[float, float]]:

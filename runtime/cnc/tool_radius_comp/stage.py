@@ -22,6 +22,7 @@ from runtime.cnc.blocks import (
     Approach,
     Arc,
     Block,
+    BlockEnd,
     CompensationSettings,
     Floats,
     Hold,
@@ -33,7 +34,9 @@ from runtime.cnc.blocks import (
     SpatialArc,
     Stop,
     StopKind,
+    TechnologyFunction,
     ToolRadius,
+    Wait,
 )
 from runtime.cnc.tool_radius_comp.approach import (
     ApproachError,
@@ -65,7 +68,7 @@ from runtime.cnc.tool_radius_comp.window import Window, move_of, part
 from runtime.diagnostics.catalogue import radius as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
 
-BATCH = 64  # blocks that are joined together
+BATCH = 256  # blocks that are joined together
 MOST_BETWEEN = 4096  # blocks without motion in the plane that wait for the next one that has it
 
 _DAMAGE = {
@@ -74,6 +77,9 @@ _DAMAGE = {
     APART: catalogue.OFFSETS_APART,
     TWISTED: catalogue.CHANGE_OVER_ARC,
 }
+
+
+_PLAIN = frozenset({Line, Arc, BlockEnd, TechnologyFunction, Wait})
 
 
 class _State(Enum):
@@ -89,6 +95,13 @@ class ToolRadiusCompensation:
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         run = _Run()
         for block in blocks:
+            if run.add(block):
+                continue
+            if run.full:
+                yield from run.join_what_is_there()
+                run.raise_what_failed()
+                if run.add(block):
+                    continue
             if isinstance(block, ToolRadius):
                 yield from run.change_tool(block.radius)
             elif isinstance(block, RadiusCompensation):
@@ -117,7 +130,13 @@ class _Run:
         self._block: Line | Arc | None = None  # the approach, as it is programmed
         self._between: list[Block] = []  # what stands behind it
         self._last: Elements | None = None  # (1,), the last element before the change of the side
+        self._failed: CompensationError | None = None
         self._place: Floats | None = None  # (n,): where the tool path stands, if not where the program does
+
+    @property
+    def full(self) -> bool:
+        """So much was added that it should be joined."""
+        return self._window.waiting >= BATCH
 
     @property
     def off(self) -> bool:
@@ -186,6 +205,16 @@ class _Run:
                 self._state = _State.OFF
 
     # ------------------------------------------------------------------ blocks
+
+    def add(self, block: Block) -> bool:
+        """The short way of a block that only has to be kept for now; False if it has to be looked at."""
+        kind = type(block)
+        if self._state is not _State.ON or self._before is not None or kind not in _PLAIN:
+            return False
+        if (kind is Arc and block.plane != self._plane) or self.full or self._window.held > MOST_BETWEEN:  # type: ignore[union-attr]
+            return False
+        self._window.add(block)
+        return True
 
     def take(self, block: Block) -> Iterator[Block]:
         """A block behind G41 or G42, up to the exit block."""
@@ -372,26 +401,36 @@ class _Run:
     # ------------------------------------------------------------------ contour
 
     def _put_out_joined(self, loaded: int | None = None) -> Iterator[Block]:
-        """Join what was added, and put out what cannot change any more: all but the last two elements.
+        """Join what was added, and put out what cannot change any more. As `join_what_is_there`."""
+        yield from self.join_what_is_there(loaded)
+        self.raise_what_failed()
+
+    def join_what_is_there(self, loaded: int | None = None) -> list[Block]:
+        """Join what was added; what cannot change any more: all but the last two elements. Damage is raised afterwards.
 
         The elements from `loaded` on are in the arrays already.
         """
         window = self._window
         if window.count + window.waiting == 0:
-            return
+            return []
         new = window.load(self._offset) if loaded is None else loaded
         elements = window.elements
         offset(elements, new, window.count)
         s = self._settings
         last = int(connect(elements, self._joined, window.count, s.circular, s.stretch, corner_limit(s)))
         self._joined = last
+        ready = self._in_front_of(last)
         bad = np.flatnonzero(elements["status"][:last] != GOOD)
         if len(bad) and not s.ignore_damage:
-            yield from self._damage(int(bad[0]))
-        kept = self._in_front_of(last)
-        if kept:
-            self._joined = last - kept
-            yield from window.put_out(kept, s.adapt_feed)
+            self._failed = self._damage_of(int(bad[0]))
+            ready = self._in_front_of(int(bad[0]))
+        self._joined -= ready
+        return window.put_out(ready, s.adapt_feed) if ready else []
+
+    def raise_what_failed(self) -> None:
+        """Raise the damage that was found."""
+        if self._failed is not None:
+            raise self._failed
 
     def _in_front_of(self, element: int) -> int:
         """The element with motion in the plane in front of another one; the first one if there is none."""
@@ -417,7 +456,9 @@ class _Run:
         """Put out everything; the last element is joined, and the path stands at x, y then."""
         window, elements = self._window, self._window.elements
         if elements["status"][self._joined] != GOOD and not self._settings.ignore_damage:
-            yield from self._damage(self._joined)
+            error = self._damage_of(self._joined)
+            yield from window.put_out(self._in_front_of(self._joined), self._settings.adapt_feed)
+            raise error
         rest = elements[self._joined + 1 : window.count]
         rest["bx"], rest["by"], rest["ex"], rest["ey"] = x, y, x, y
         self._place = window.placed(window.count)[1][-1].copy()
@@ -467,14 +508,6 @@ class _Run:
         e = self._window.elements[element]
         if e["status"] != GOOD and not self._settings.ignore_damage:
             raise self._damage_of(element)
-
-    def _damage(self, element: int) -> Iterator[Block]:
-        """Put out what lies in front of the block before the damaged one, and tell."""
-        error = self._damage_of(element)
-        before = self._in_front_of(element)
-        if before:
-            yield from self._window.put_out(before, self._settings.adapt_feed)
-        raise error
 
     def _damage_of(self, element: int) -> CompensationError:
         e = self._window.elements[element]

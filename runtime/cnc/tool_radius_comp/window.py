@@ -10,14 +10,24 @@ beside the plane they move where the tool path is then.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from runtime.cnc.blocks import Arc, Block, Floats, Line, Polyline, Source
 from runtime.cnc.tool_radius_comp.corners import vertices
-from runtime.cnc.tool_radius_comp.elements import ARC, CIRCLE, ELEMENT, LINE, NO_INSERT, NO_LENGTH, NO_RADIUS, Elements
+from runtime.cnc.tool_radius_comp.elements import (
+    ARC,
+    CIRCLE,
+    ELEMENT,
+    LINE,
+    LINES,
+    NO_INSERT,
+    NO_LENGTH,
+    NO_RADIUS,
+    NONE,
+    Elements,
+)
 from runtime.cnc.tool_radius_comp.pieces import corner_pieces, in_pieces, straight
 
 TRANSITION_SPEED = 2.0  # G11: inserted blocks run that much faster
@@ -74,13 +84,16 @@ class Window:
         self._starts[rows] = [motion.start for motion in run]
         self._ends[rows] = [motion.end for motion in run]
         self._places(rows)
+        at = [number for number, motion in enumerate(run) if type(motion) is Arc]
+        if not at:
+            return
+        arcs = [motion for motion in run if isinstance(motion, Arc)]
         new = self.elements[rows]
-        for at, motion in enumerate(run):
-            if isinstance(motion, Arc):
-                arc = new[at]
-                arc["kind"] = ARC if motion.radius * abs(math.radians(motion.angle)) > NO_LENGTH else 0
-                arc["cx"], arc["cy"] = motion.centre
-                arc["sweep"] = math.radians(motion.angle)
+        sweep = np.radians([motion.angle for motion in arcs])
+        radius = np.array([motion.radius for motion in arcs])
+        new["kind"][at] = np.where(radius * np.abs(sweep) > NO_LENGTH, ARC, NONE)
+        centres = np.array([motion.centre for motion in arcs])
+        new["cx"][at], new["cy"][at], new["sweep"][at] = centres[:, 0], centres[:, 1], sweep
 
     def _load_polyline(self, run: Polyline) -> None:
         rows = self._room(len(run.feeds))
@@ -94,7 +107,7 @@ class Window:
         new["x0"], new["y0"] = self._starts[rows, first], self._starts[rows, second]
         new["x1"], new["y1"] = self._ends[rows, first], self._ends[rows, second]
         length = np.hypot(new["x1"] - new["x0"], new["y1"] - new["y0"])
-        new["kind"] = np.where(length > NO_LENGTH, LINE, 0)
+        new["kind"] = np.where(length > NO_LENGTH, LINE, NONE)
 
     def _room(self, count: int) -> slice:
         rows = slice(self.count, self.count + count)
@@ -122,37 +135,40 @@ class Window:
                 at += len(block.feeds)
         raise IndexError(element)
 
-    def put_out(self, behind: int, adapt_feed: bool) -> Iterator[Block]:
+    def put_out(self, behind: int, adapt_feed: bool) -> list[Block]:
         """The tool path of the elements before `behind`, and what stands between and directly after them.
 
         Blocks in front of element `behind` go out too. What is put out is no longer in hand.
         """
         blocks, loaded = self._blocks, self._loaded
-        path = _Path(self, behind, adapt_feed)
+        out: list[Block] = []
+        path = _Path(self, behind, adapt_feed, out)
         at = taken = 0
         for block in blocks:
-            if isinstance(block, Line | Arc):
+            kind = type(block)
+            if kind is Line or kind is Arc:
                 if at >= behind:
                     break
-                yield from path.motion(block, at)
+                path.motion(block, at)  # type: ignore[arg-type]
                 at += 1
             elif isinstance(block, Polyline):
                 if at >= behind:
                     break
                 here = min(behind - at, len(block.feeds))
-                yield from path.run(part(block, 0, here), at)
+                path.run(part(block, 0, here), at)
                 at += here
                 if here < len(block.feeds):
                     blocks[taken] = part(block, here, len(block.feeds))
                     break
             else:
-                yield block
+                out.append(block)
             taken += 1
         self._blocks, self._loaded = blocks[taken:], loaded - taken
         rest = self.count - behind
         for array in (self.elements, self._starts, self._ends):
             array[:rest] = array[behind : self.count].copy()
         self.count = rest
+        return out
 
     def placed(self, behind: int) -> tuple[Floats, Floats, Floats]:
         """Starts and ends on the tool path of the elements before `behind`, and by what their ends were moved, (k, n)."""
@@ -165,62 +181,108 @@ class Window:
 
 
 class _Path:
-    """Elements of a window on their way out."""
+    """Elements of a window on their way to `out`."""
 
-    def __init__(self, window: Window, behind: int, adapt_feed: bool) -> None:
+    def __init__(self, window: Window, behind: int, adapt_feed: bool, out: list[Block]) -> None:
         self._elements = elements = window.elements[:behind]
         self._plane = window.plane
         self._adapt = adapt_feed
-        self._starts, self._ends, self._moved = window.placed(behind)
+        self._out = out
+        starts, ends, moved = window.placed(behind)
+        self._starts, self._ends, self._moved = list(starts), list(ends), list(moved)
         self._insert: list[int] = elements["insert"].tolist()
-        arcs = elements["kind"] == ARC
-        if arcs.any():
+        self._kinds: list[int] = elements["kind"].tolist()
+        if (elements["kind"] == ARC).any():
             radius = np.where(elements["radius"] > NO_RADIUS, elements["radius"], 1.0)
-            angle = np.copysign(np.degrees((elements["end"] - elements["begin"]) / radius), elements["turn"])
-            angle = np.where(elements["end"] < elements["begin"], -angle, angle)
+            angle = np.degrees((elements["end"] - elements["begin"]) / radius) * np.sign(elements["turn"])
+            whole = (elements["begin"] == 0.0) & (elements["end"] == elements["length"])
+            angle = np.where(whole, np.degrees(elements["turn"]), angle)  # to the bit where nothing was cut
             self._radius: list[float] = elements["radius"].tolist()
             self._angle: list[float] = angle.tolist()
-            self._centres = np.stack([elements["mx"], elements["my"]], axis=1)
+            self._centres = list(np.stack([elements["mx"], elements["my"]], axis=1))
+        if any(self._insert):
+            self._corners(ends)
 
-    def motion(self, block: Line | Arc, at: int) -> Iterator[Block]:
+    def _corners(self, ends: Floats) -> None:
+        """What the corners behind the elements need: where each leads, and the angle of an arc around it."""
+        e = self._elements
+        following = ends.copy()
+        following[:, self._plane[0]], following[:, self._plane[1]] = e["nx"], e["ny"]
+        self._points: list[int] = e["points"].tolist()
+        self._following = list(following)
+        self._to_following = list(following - ends + np.asarray(self._moved))
+        ux, uy, vx, vy = e["ex"] - e["x1"], e["ey"] - e["y1"], e["nx"] - e["x1"], e["ny"] - e["y1"]
+        sense = -np.sign(e["o1"])  # around the corner, which lies on the other side than the tool
+        angle = np.arctan2(ux * vy - uy * vx, ux * vx + uy * vy) * sense
+        self._around: list[float] = np.degrees(sense * np.where(angle > 0.0, angle, angle + 2.0 * np.pi)).tolist()
+        self._corner_places = list(np.stack([e["x1"], e["y1"]], axis=1))
+        self._corner_radius: list[float] = np.abs(e["o1"]).tolist()
+
+    def motion(self, block: Line | Arc, at: int) -> None:
         """The tool path of a motion and of the corner behind it."""
-        start, end = self._starts[at], self._ends[at]
-        way = self._moved[at] if block.pcs_gain is None else self._moved[at] / block.pcs_gain
-        end_pcs = block.end_pcs + way
-        if isinstance(block, Line):
-            yield Line(
-                block.source, start, end, block.feed, block.rapid, end_pcs, block.plane, None,
-                block.end_feed, block.override_off, block.pcs_gain,
+        start, end, gain = self._starts[at], self._ends[at], block.pcs_gain
+        end_pcs = block.end_pcs + (self._moved[at] if gain is None else self._moved[at] / gain)
+        if type(block) is Line:
+            self._out.append(
+                Line(
+                    block.source, start, end, block.feed, block.rapid, end_pcs, block.plane, None,
+                    block.end_feed, block.override_off, gain,
+                )
             )  # fmt: skip
-        elif self._radius[at] <= NO_RADIUS:
-            yield straight(block, start, end, block.feed)
+        elif self._kinds[at] != ARC or self._radius[at] <= NO_RADIUS:
+            self._out.append(straight(block, start, end, block.feed))
         else:
+            assert isinstance(block, Arc)
             feed = block.feed
             if self._adapt:
                 feed *= self._radius[at] / block.radius
-            yield Arc(
-                block.source, start, end, feed, end_pcs, block.plane, self._centres[at], self._radius[at],
-                self._angle[at], None, block.end_feed, block.override_off, block.pcs_gain,
+            self._out.append(
+                Arc(
+                    block.source, start, end, feed, end_pcs, block.plane, self._centres[at], self._radius[at],
+                    self._angle[at], None, block.end_feed, block.override_off, gain,
+                )
             )  # fmt: skip
         if self._insert[at] != NO_INSERT:
-            yield from in_pieces(block, end, corner_pieces(self._elements[at]), self._plane, self._transition(block))
+            self._corner(block, at)
+
+    def _corner(self, block: Line | Arc, at: int) -> None:
+        """What is inserted behind an element."""
+        feed = self._transition(block)
+        if self._insert[at] == LINES and self._points[at]:
+            pieces = corner_pieces(self._elements[at])
+            self._out.extend(in_pieces(block, self._ends[at], pieces, self._plane, feed))
+            return
+        end, gain = self._following[at], block.pcs_gain
+        end_pcs = block.end_pcs + (self._to_following[at] if gain is None else self._to_following[at] / gain)
+        if self._insert[at] == LINES:
+            self._out.append(
+                Line(
+                    block.source, self._ends[at], end, feed, math.isinf(feed), end_pcs, block.plane, None,
+                    None, block.override_off, gain,
+                )
+            )  # fmt: skip
+        else:
+            self._out.append(
+                Arc(
+                    block.source, self._ends[at], end, feed, end_pcs, self._plane, self._corner_places[at],
+                    self._corner_radius[at], self._around[at], None, None, block.override_off, gain,
+                )
+            )  # fmt: skip
 
     def _transition(self, block: Line | Arc) -> float:
         feed = block.feed if block.end_feed is None else block.end_feed
         return feed * TRANSITION_SPEED if self._adapt else feed
 
-    def run(self, run: Polyline, at: int) -> Iterator[Block]:
+    def run(self, run: Polyline, at: int) -> None:
         """The tool path of a run of straight moves, and of the corners in it and behind it."""
         here = self._elements[at : at + len(run.feeds)]
         done = 0
         for circle in np.flatnonzero(here["insert"] == CIRCLE).tolist():
-            yield self._straight(part(run, done, circle + 1), at + done)
-            move = move_of(run, circle)
-            pieces = corner_pieces(here[circle])
-            yield from in_pieces(move, self._ends[at + circle], pieces, self._plane, self._transition(move))
+            self._out.append(self._straight(part(run, done, circle + 1), at + done))
+            self._corner(move_of(run, circle), at + circle)
             done = circle + 1
         if done < len(run.feeds):
-            yield self._straight(part(run, done, len(run.feeds)), at + done)
+            self._out.append(self._straight(part(run, done, len(run.feeds)), at + done))
 
     def _straight(self, run: Polyline, at: int) -> Polyline:
         count = len(run.feeds)

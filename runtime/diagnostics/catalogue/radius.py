@@ -8,29 +8,22 @@ CONTOUR_DAMAGED = ErrorEntry(
     309001,
     "the tool of radius {radius:g} mm does not fit: its path in this block would run backwards",
     reaction=STOP,
-    remedy="use a smaller tool, widen the contour, or let G141 leave out what the tool cannot reach",
+    remedy="use a smaller tool, widen the contour",
     source="programming manual line 20020",
 )
 ARC_TOO_SMALL = ErrorEntry(
     309002,
     "the tool of radius {radius:g} mm does not fit into the arc of radius {arc:g} mm",
     reaction=STOP,
-    remedy="use a smaller tool or a larger arc, or let G141 leave out what the tool cannot reach",
+    remedy="use a smaller tool or a larger arc",
     source="programming manual line 20020",
 )
 OFFSETS_APART = ErrorEntry(
     309003,
     "the tool of radius {radius:g} mm does not fit: its paths along this block and the next one do not meet",
     reaction=STOP,
-    remedy="use a smaller tool, widen the contour, or let G141 leave out what the tool cannot reach",
+    remedy="use a smaller tool, widen the contour",
     source="programming manual line 20020",
-)
-BOTTLENECK = ErrorEntry(
-    309004,
-    "the tool of radius {radius:g} mm does not fit: its path here crosses the one along line {other}",
-    reaction=STOP,
-    remedy="use a smaller tool, widen the bottleneck, or let G141 leave it out",
-    source="channel parameters line 4254",
 )
 CHANGE_OVER_ARC = ErrorEntry(
     309005,
@@ -83,19 +76,6 @@ TOO_MANY_BETWEEN = ErrorEntry(
     reaction=STOP,
     remedy="program G40 and its exit block before them",
 )
-INSIDE_CORNER = ErrorEntry(
-    309013,
-    "G238 is not possible here: {reason}",
-    reaction=STOP,
-    remedy="check the contour against the conditions of G238, or choose G139",
-    source="programming manual line 19420",
-)
-MODE_CHANGE = ErrorEntry(
-    309014,
-    "G238 cannot be chosen while radius compensation is active",
-    remedy="choose G238 before G41 or G42",
-    source="programming manual line 18709",
-)
 TANGENTIAL_ALONE = ErrorEntry(
     309015,
     "G05 without G40, G41 or G42 in its block",
@@ -140,11 +120,4 @@ ONLINE_WITHOUT_INVERSE = ErrorEntry(
     "#TRC ONLINE={value:g} without INVERSE=1",
     remedy="program INVERSE=1 with it, or ONLINE=0",
     source="programming manual line 20747",
-)
-MASKED = ErrorEntry(
-    309020,
-    "contour masking leaves out this block: the tool of radius {radius:g} mm does not fit",
-    Severity.WARNING,
-    Reaction.NONE,
-    source="channel parameters line 4243",
 )

@@ -30,7 +30,7 @@ def test_direct_goes_to_the_normal_of_the_first_element_whatever_the_angle(start
     assert enter("G138", start)[0] == [(0.0, R)]
 
 
-@pytest.mark.spec("isg.trc.indirect-g139", "isg.trc.selection-modes")
+@pytest.mark.spec("isg.trc.indirect-g139")
 @pytest.mark.parametrize("mode", ["G139", ""])
 def test_indirect_is_direct_at_an_inside_corner(mode: str) -> None:
     assert enter(mode, "X-20 Y20")[0] == [(0.0, R)]

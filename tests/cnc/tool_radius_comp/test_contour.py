@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from runtime.cnc.blocks import Arc, Line, Polyline
+from runtime.diagnostics.catalogue import language
 from runtime.diagnostics.catalogue import radius as catalogue
-from tests.cnc.decoder.programs import decode
+from tests.cnc.decoder.programs import decode, problems
 from tests.cnc.tool_radius_comp.paths import compensate, motions_of, tool_path
 
 R = 5.0
@@ -267,7 +268,6 @@ def test_helix_of_several_turns() -> None:
     assert next(motion for motion in path.motions if isinstance(motion, Arc)).end[2] == -3
 
 
-@pytest.mark.spec("isg.trc.opt-suppress-trc")
 def test_suppressed_compensation_drives_the_programmed_path() -> None:
     path = tool_path("#TRC [SUPPRESS_TRC=1]\nG00 X-20 Y0\nG41 G01 X0 Y0\nX40\nY40\nG40 Y60\nM30")
     assert [shape[1:] for shape in path.shape] == [(-20, 0), (0, 0), (40, 0), (40, 40), (40, 60)]
@@ -328,16 +328,33 @@ def test_several_options_in_one_command_and_defaults_at_the_next_start() -> None
 
 @pytest.mark.spec("isg.trc.options-command")
 @pytest.mark.parametrize(
-    "option", ["ONLINE=1 INVERSE=1", "TAPERLINK=1", "MULTI_PATH_RADIUS=REFERENCE", "GEN_CIR_BLOCK_IN_CORNER=1"]
+    "option",
+    [
+        "INVERSE=1 ONLINE=1",
+        "TAPERLINK=1",
+        "MULTI_PATH_RADIUS=REFERENCE",
+        "GEN_CIR_BLOCK_IN_CORNER=1",
+        "CONV_CIR_TO_LIN=1",
+        "KERF_MASKING=1",
+        "REMOVE_MASKED_BLOCKS=1",
+        "SPLIT_PATH PRE DIST_SEG1=5 FEED_SEG1=100",
+        "SPLIT AX=X DIST_SEG1=5 FEED_SEG1=100",
+    ],
 )
 def test_options_that_do_not_exist_here_are_refused_by_name(option: str) -> None:
     run = decode(f"#TRC [{option}]\nM30")
     assert run.problem is not None
     assert run.problem.entry is catalogue.OPTION_UNSUPPORTED
-    assert option.split("=")[0] in run.problem.text
+    assert option.replace("=", " ").split()[0] in run.problem.text
 
 
-@pytest.mark.spec("isg.trc.opt-online")
+@pytest.mark.parametrize("number", [141, 238])
+def test_g_functions_that_do_not_exist_here_are_refused_by_name(number: int) -> None:
+    (problem,) = problems(f"G{number}\nM30")
+    assert problem.entry is language.G_UNSUPPORTED
+    assert str(number) in problem.text
+
+
 def test_online_needs_inverse() -> None:
     run = decode("#TRC [ONLINE=1]\nM30")
     assert run.problem is not None

@@ -43,8 +43,6 @@ def _approach(approach: Approach, entry: str) -> None:
     @g_function(int(approach), Group.APPROACH, "isg.trc.selection-modes", entry)
     def select(x: Execution, call: GCall) -> None:
         """How radius compensation begins and ends from here on."""
-        if approach is Approach.INSIDE_CORNER and x.compensation.active:
-            raise LineError(catalogue.MODE_CHANGE, call.column)
         x.modal.approach = approach
 
 
@@ -71,4 +69,4 @@ _setting(25, Group.OUTSIDE_CORNER, "isg.trc.transitions-g25-g26", circular=False
 _setting(26, Group.OUTSIDE_CORNER, "isg.trc.transitions-g25-g26", circular=True)
 _setting(10, Group.COMPENSATED_FEED, "isg.trc.feed-g10-g11", adapt_feed=False)
 _setting(11, Group.COMPENSATED_FEED, "isg.trc.feed-g10-g11", adapt_feed=True)
-_setting(140, Group.MASKING, "isg.trc.contour-masking-g140-g141", masking=False, kerf_masking=False)
+_setting(140, Group.MASKING, "isg.trc.contour-masking-g140-g141")  # nothing is left out: there is no G141 yet
