@@ -27,9 +27,11 @@ from runtime.cnc.decoder import (
     located,
     look_through,
 )
-from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.path_preparation import LateSynchronisation, SoftwareLimits
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
-from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
+from runtime.cnc.stages import prepared
+from runtime.cnc.tool_radius_comp import CompensationError
 from runtime.cnc.tools.table import MemoryTools
 from runtime.cnc.tools.tool import Tool
 from runtime.config.loader import load_machine
@@ -57,6 +59,7 @@ def command(
     try:
         machine = load_machine(config)
         setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
+        axes = AxisLimits.of(machine.axes[machine.axis_index(name)] for name in machine.channels[0].axes)
         tools = copied_tools(machine, os.environ).all()
     except TandemError as error:
         for problem in error.problems:
@@ -64,7 +67,7 @@ def command(
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, limits, dialect, tools)
+        problems, warnings = check(file, setup, limits, axes, dialect, tools)
         for problem in (*problems, *warnings):
             typer.echo(explained(problem))
         failed |= bool(problems)
@@ -72,7 +75,12 @@ def command(
 
 
 def check(
-    file: Path, setup: DecoderSetup, limits: SoftwareLimits, dialect: str = "isg", tools: Iterable[Tool] = ()
+    file: Path,
+    setup: DecoderSetup,
+    limits: SoftwareLimits,
+    axes: AxisLimits,
+    dialect: str = "isg",
+    tools: Iterable[Tool] = (),
 ) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
     """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it.
 
@@ -95,7 +103,7 @@ def check(
         memory = ChannelMemory(setup, MemoryTools(tools))
         start = limits.nearest(np.zeros(len(setup.axes)))
         decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
-        for _ in limits(SpatialArcs()(ToolRadiusCompensation()(decoder.blocks()))):
+        for _ in prepared(decoder.blocks(), axes, limits, LateSynchronisation(), warnings):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break

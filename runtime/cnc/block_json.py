@@ -22,6 +22,7 @@ from runtime.cnc.blocks import (
     Stop,
     TechnologyFunction,
     TimerAction,
+    ToolLifeAction,
     ToolRadius,
     UserError,
 )
@@ -40,7 +41,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
     parameter from 0 to 1). Functions: `number`, `value`, `synch`, for S `spindle`.
     Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
     External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
-    `further`. Tool radius: `radius` (mm).
+    `further`. Tool radius: `radius` (mm). Tool life: `command`, `basic`, `sister`, `variant`, `time` (s), `distance`
+    (mm).
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
@@ -86,6 +88,10 @@ def _action(block: Block) -> Iterator[Row]:
                 "acknowledge": block.acknowledge,
                 "information": block.information,
             }
+        case ToolLifeAction():
+            row = _source(block.source, "tool life") | {"command": block.command.value}
+            row |= {"basic": block.basic, "sister": block.sister, "variant": block.variant}
+            yield row | {"time": block.time, "distance": block.distance}
         case ToolRadius():
             yield {**_source(block.source, "tool radius"), "radius": block.radius}
         case TimerAction():

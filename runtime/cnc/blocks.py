@@ -221,6 +221,8 @@ class Polynomials:
     plane: tuple[int, int] | None = None
     end_feed: float | None = None
     override_off: bool = False
+    constant_velocity: bool = False  # every element as slow as the slowest of the run
+    check_jerk: bool = True  # False: the change of curvature may cause any jerk
 
     @property
     def start(self) -> Floats:
@@ -375,6 +377,65 @@ class DynamicsChange:
     settings: DynamicSettings
 
 
+class ContourMethod(Enum):
+    """How a corner is replaced by a curve (#CONTOUR MODE)."""
+
+    DEVIATION = "DEV"
+    DISTANCE = "DIST"
+    SOFT = "DIST_SOFT"  # laid out for the acceleration of the axes
+    POINT = "POS"  # through an interim point
+
+
+class ContourAction(Enum):
+    """Where the path is at the border between two blocks with a curve between them."""
+
+    BEFORE = "PRE_ACTION"
+    WITHIN = "INTER_ACTION"
+    BEHIND = "POST_ACTION"
+
+
+@dataclass(frozen=True, slots=True)
+class Contouring:
+    """Settings of contouring: lengths in mm, angles in degrees, shares from 0 to 1.
+
+    `before`, `behind`: corner distances of DISTANCE, POINT and SOFT (infinite: not watched). `tracking_deviation`: 0 is not
+    watched. `tracking_distance` (SOFT): infinite is not watched. `relevant`, `relevant_tracking`: shorter blocks are skipped.
+    `remain`: share of a block that stays. `point`: machine coordinates of the main axes, the corner's own where None.
+    `greatest_acceleration`, `least_acceleration`, `ramp_time`: of SOFT. `check_jerk` 0 lets curvature cause any jerk.
+    """
+
+    method: ContourMethod = ContourMethod.DEVIATION
+    deviation: float = 1.0
+    before: float = 1.0
+    behind: float = 1.0
+    tracking_deviation: float = 0.0
+    tracking_distance: float = 1.0
+    relevant: float = 0.0
+    relevant_tracking: float = 0.0
+    remain: float = 0.0
+    greatest_angle: float = 178.0
+    point: tuple[float | None, float | None, float | None] = (None, None, None)
+    greatest_acceleration: float = 1.0
+    least_acceleration: float = 0.5
+    ramp_time: float = 1.0
+    check_jerk: int = 1
+    constant_velocity: bool = False
+    action: ContourAction = ContourAction.WITHIN
+
+
+@dataclass(frozen=True, slots=True)
+class ContourChange:
+    """Contouring at the ends of the motions from here on, None: none. Taken by the stage; it does not reach the queue.
+
+    `once`: for the motions of the line of `source` only. `keeps`: the corner before it is not concerned.
+    """
+
+    source: Source
+    contouring: Contouring | None
+    once: bool = False
+    keeps: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class ToolRadius:
     """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
@@ -460,6 +521,29 @@ class TimerAction:
     timer: int
 
 
+class LifeCommand(Enum):
+    """What happens to the record of tool life."""
+
+    CHANGE = "T"  # the record of the tool before is told, that of another tool begins
+    READ = "#TOOL LIFE READ"  # it is told as that of a tool, and goes on
+    REMOVE = "#TOOL LIFE REMOVE"  # it begins at 0
+    DEFINE = "#TOOL LIFE DEF"  # it goes on from `time` and `distance`
+    WEIGHT = "V.TLM"  # `time` and `distance` are factors from here on
+
+
+@dataclass(frozen=True, slots=True)
+class ToolLifeAction:
+    """The record of tool life, when the path is here. `time` in s, `distance` in mm; factors for WEIGHT."""
+
+    source: Source
+    command: LifeCommand
+    basic: int = 0
+    sister: int = 0
+    variant: int = 0
+    time: float = 0.0
+    distance: float = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class ExternalWrite:
     """A synchronous external variable gets its value when the path is here; `offset` in bytes into the V.E area.
@@ -502,12 +586,14 @@ Block = (
     | SoftwareLimitChange
     | DynamicsChange
     | RadiusCompensation
+    | ContourChange
     | ToolRadius
     | AxisLimitChange
     | Flush
     | Hold
     | Message
     | TimerAction
+    | ToolLifeAction
     | ExternalWrite
     | UserError
 )

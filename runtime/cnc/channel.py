@@ -23,7 +23,7 @@ import numpy.typing as npt
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.interpolator import Interpolator
-from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings
@@ -109,6 +109,7 @@ class Channel:
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
+        self._rapid = queue.records["rapid"]
         self.interpolator = interpolator
         self.link = link
         self.functions = TechnologyFunctions(
@@ -144,6 +145,7 @@ class Channel:
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
         self._user_error_told = False
+        self._came_to_end = False  # of the program
         self._settling = 0.0  # s at the present #FLUSH WAIT
         self._actual = np.zeros(0)
         self._time = 0.0
@@ -156,7 +158,7 @@ class Channel:
         self.program = program
         self.program_ended = False
         self.error = None
-        self._told_failure = self._user_error_told = False
+        self._told_failure = self._user_error_told = self._came_to_end = False
         self._traced_index = -1
         self.block_counter = 0
         self.actions.begin()
@@ -193,6 +195,8 @@ class Channel:
         self._stop_spindles()
         self.functions.drop()
         self.actions.drop()
+        if self.phase is Phase.IDLE:
+            self.actions.life.save()
         if not self.restart_needed:
             self.error = None
 
@@ -267,16 +271,21 @@ class Channel:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        override = 1.0 if self._override_off() else inputs.override
+        override = 1.0 if self._on(self._no_override) else inputs.override
         if override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         path.step(override=override, feed_hold=held, single_block=inputs.single_block)
+        life = self.actions.life
+        if life.wanted:
+            life.moves(path.path_position, self.period, self._on(self._rapid))
         passed = path.passed
         for index in passed:
             self._pass(index)
         self.functions.look_ahead(held=held or override == 0.0)
+        if life.wanted:
+            life.moved(path.path_position)
         if self.trace_blocks:
             self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
@@ -293,10 +302,18 @@ class Channel:
             self._event(kind, path.line, self._n, number=stop)
             self.stop_condition = stop
 
-    def _override_off(self) -> bool:
-        """The path is on an element for which every override counts as 100 %."""
+    def _place_of(self, index: int) -> float:
+        """Where along the path (mm) a record lies that was passed in this cycle."""
+        path, queue = self.interpolator, self.queue
+        if path.index < max(index, queue.read):  # the path stands at the end of the element before it
+            return path.path_position
+        elements = [i for i in range(index + 1, path.index + 1) if queue.kind(i) <= _LAST_MOTION]
+        return path.path_position + path.remaining - sum(float(queue.record(i)["length"]) for i in elements)
+
+    def _on(self, flags: npt.NDArray[np.int64]) -> bool:
+        """The path is on an element with this flag."""
         index = self.interpolator.index
-        return index >= self.queue.read and bool(self._no_override[index % self.queue.capacity])
+        return index >= self.queue.read and bool(flags[index % self.queue.capacity])
 
     def _out_of_blocks(self) -> int:
         """Nothing more is known: the preparation is behind, or it has failed and this is as far as the program goes."""
@@ -336,6 +353,8 @@ class Channel:
         if self._drops:
             self.functions.drop()
         self.functions.restart()
+        if not self._came_to_end:
+            self.actions.life.save()
         self._dwell_left = -1.0
         self._settling = 0.0
         self.program_ended = True
@@ -393,6 +412,7 @@ class Channel:
                 return _WAIT_TECHNOLOGY
             self._event(EventKind.BLOCK_END, gate.line, gate.n)
             path.open_gate()
+            self._came_to_end = True
             self._clear(drop=False)
             return _NONE
         if pressed:
@@ -462,7 +482,9 @@ class Channel:
         elif kind == _BLOCK_END:
             self.block_counter += 1
         elif kind == _ACTION:
-            self.actions.carry_out(read_record(self.queue, index))
+            record = read_record(self.queue, index)
+            place = self._place_of(index) if record.action is ActionKind.TOOL_LIFE else 0.0
+            self.actions.carry_out(record, place)
 
     # ------------------------------------------------------------------ events
 

@@ -82,6 +82,7 @@ class ActionKind(IntEnum):
     TIMER = 1
     EXTERNAL = 2  # an external variable gets its value
     WARNING = 3  # #ERROR without consequences
+    TOOL_LIFE = 4
 
 
 RECORD = np.dtype(

@@ -20,7 +20,9 @@ class QueueRecord(NamedTuple):
     - the gate of a message: how many messages for the PLC stand up to here, and 1 if its receiver has to take it first;
     - a timer: its number, and its command (position in `TimerCommand`);
     - an external variable: its type (position in `runtime.hli.external.KINDS`), and its value; `offset` and `size` in bytes;
-    - an error: its number, and its remedy class.
+    - an error: its number, and its remedy class;
+    - tool life: its command (position in `LifeCommand`), and the distance (mm) or its factor; `seconds` the time (s) or its
+      factor; `offset`, `size`, `feed`: basic, sister and variant number.
     """
 
     kind: RecordKind

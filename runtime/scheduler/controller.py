@@ -100,6 +100,7 @@ class Controller:
             self._path_axes,
             np.array([axis.in_position for axis in path_axes]),
         )
+        self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)

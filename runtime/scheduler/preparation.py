@@ -15,17 +15,10 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import (
-    CornerDecelerations,
-    LateSynchronisation,
-    PumpState,
-    QueueWriter,
-    SoftwareLimits,
-    SpatialArcs,
-)
+from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
 from runtime.cnc.path_preparation.weight_tables import path_weights
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
-from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
+from runtime.cnc.stages import prepared
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -125,10 +118,8 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        blocks = source
         limits = SoftwareLimits.of(self._machine, self._channel)
-        for stage in (self._late, ToolRadiusCompensation(), SpatialArcs(), CornerDecelerations(), limits):
-            blocks = stage(blocks)
+        blocks = prepared(source, self._axis_limits, limits, self._late)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, Contouring, ExactStop, Floats, Polyline, Source
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -30,6 +30,7 @@ from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.smoothing import Smoothing
 from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.tooling import Tooling
 from runtime.cnc.decoder.user_variables import Scope
@@ -104,6 +105,7 @@ class Execution:
         self.corner_parameters: CornerDeceleration | None = None  # of #CORNER PARAM
         self.tangential_radius = 0.0  # mm, of #TANGFEED: arcs below it keep their feed with G11
         self.feed_group: FeedGroup = setup.feed_group
+        self.smoothing = Smoothing(Contouring(check_jerk=setup.poly_jerk))
         self.coordinates = Coordinates.at(start)
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)

@@ -145,6 +145,8 @@ class DecoderSetup:
     exact_stop_after_rapid: bool = False  # P-CHAN-00235
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
+    poly_jerk: int = 1  # P-CHAN-00110
+    contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
     radius_compensation: bool = True  # P-CHAN-00092
 
@@ -221,6 +223,8 @@ class DecoderSetup:
             feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
             exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
+            poly_jerk=parameters.check_jerk_on_poly_path,
+            contouring_inch=bool(parameters.contouring_consider_inch),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,

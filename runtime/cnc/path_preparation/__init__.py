@@ -4,6 +4,7 @@ from runtime.cnc.path_preparation.corner_deceleration import CornerDecelerations
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
 from runtime.cnc.path_preparation.late_synchronisation import LateSynchronisation
 from runtime.cnc.path_preparation.queue_writer import PumpState, QueueWriter
+from runtime.cnc.path_preparation.smoothing import smooth
 from runtime.cnc.path_preparation.software_limits import SoftwareLimits
 from runtime.cnc.path_preparation.spatial_arcs import SpatialArcs
 
@@ -16,4 +17,5 @@ __all__ = [
     "SoftwareLimitError",
     "SoftwareLimits",
     "SpatialArcs",
+    "smooth",
 ]

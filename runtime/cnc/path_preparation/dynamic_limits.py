@@ -278,7 +278,16 @@ class DynamicLimits:
         return self._run(part, rapid, self._rows(length, rapid), before)
 
     def polynomials(
-        self, tables: Floats, length: Floats, main: Flags, feed: Floats, rapid: Flags, before: Border | None
+        self,
+        tables: Floats,
+        length: Floats,
+        main: Flags,
+        feed: Floats,
+        rapid: Flags,
+        before: Border | None,
+        *,
+        check_jerk: bool,
+        constant_velocity: bool,
     ) -> Limited:
         """Limits of m successive polynomials, as `polynomial_dynamics`."""
 
@@ -287,8 +296,9 @@ class DynamicLimits:
 
             def make(limits: AxisLimits) -> Made:
                 return polynomial_dynamics(
-                    limits, self._period, tables[here], length[here], main[here], feed[here], before
-                )
+                    limits, self._period, tables[here], length[here], main[here], feed[here], before,
+                    check_jerk=check_jerk, constant_velocity=constant_velocity,
+                )  # fmt: skip
 
             def bend() -> Floats:
                 return greatest_curvature(tables[here], length[here], self._machine.n)

@@ -88,10 +88,14 @@ def element_limits(
     velocity: Floats,
     acceleration: Floats,
     jerk: Floats,
+    rate_share: float,
     boxes: Floats,
     borders: Floats,
 ) -> None:
-    """Fill `boxes` (m, 3) with v, a, j and `borders` (m, 2, 2, n) with q' and q'' at start and end of m elements."""
+    """Fill `boxes` (m, 3) with v, a, j and `borders` (m, 2, 2, n) with q' and q'' at start and end of m elements.
+
+    `rate_share`: of the jerk, for the change of curvature; 0: it is not watched.
+    """
     n = velocity.shape[0]
     q, u, k, r = np.zeros(n), np.zeros((PLACES, n)), np.zeros((PLACES, n)), np.zeros((PLACES, n))
     for element in range(length.shape[0]):
@@ -107,8 +111,8 @@ def element_limits(
                 if u[place, axis] != 0.0:
                     v_axes = min(v_axes, velocity[axis] / abs(u[place, axis]))
                 bend = max(bend, abs(k[place, axis]) / acceleration[axis])
-                if r[place, axis] != 0.0:
-                    rate = min(rate, RATE_SHARE * jerk[axis] / abs(r[place, axis]))
+                if r[place, axis] != 0.0 and rate_share > 0.0:
+                    rate = min(rate, rate_share * jerk[axis] / abs(r[place, axis]))
         asked = min(feed[element], v_axes)
         share = min(max(bend * asked * asked, CURVATURE_SHARE), GREATEST_CURVATURE_SHARE)
         v = min(v_axes, rate ** (1.0 / 3.0))
@@ -130,11 +134,18 @@ def element_limits(
                     allowed = max(acceleration[axis] - across * square, 0.0) / along
                 if main[element] and axis < MAIN_AXES and kappa * square < acceleration[axis]:
                     allowed = max(allowed, math.sqrt(acceleration[axis] ** 2 - (kappa * square) ** 2))
-                if across * fastest > 0.0:
+                if across * fastest > 0.0 and rate_share > 0.0:
                     allowed = min(allowed, BEND_SHARE * jerk[axis] / (3.0 * across * fastest))
                 a = min(a, allowed)
         a *= BETWEEN
         j = np.inf
+        if rate_share <= 0.0:
+            for place in range(PLACES):
+                for axis in range(n):
+                    if u[place, axis] != 0.0:
+                        j = min(j, jerk[axis] / abs(u[place, axis]))
+            boxes[element, 0], boxes[element, 1], boxes[element, 2] = v, a, j
+            continue
         for place in range(PLACES):
             for axis in range(n):
                 if u[place, axis] != 0.0:
@@ -151,13 +162,22 @@ def polynomial_dynamics(
     main: Flags,
     feed: Floats,
     before: Border | None,
+    *,
+    check_jerk: bool = True,
+    constant_velocity: bool = False,
 ) -> tuple[Dynamics, Border]:
-    """Limits of m successive elements, `tables` (m, ROWS, WIDTH), feeds (m,) per s, and how the last one ends."""
+    """Limits of m successive elements, `tables` (m, ROWS, WIDTH), feeds (m,) per s, and how the last one ends.
+
+    `constant_velocity`: all as fast as the slowest. Without `check_jerk` curvature and its change may cause any jerk.
+    """
     m, n = len(length), limits.n
     boxes, borders = np.zeros((m, 3)), np.zeros((m, 2, 2, n))
     element_limits(
-        tables, length, main, feed, limits.velocity, limits.least_acceleration, limits.least_jerk, boxes, borders
+        tables, length, main, feed, limits.velocity, limits.least_acceleration, limits.least_jerk,
+        RATE_SHARE if check_jerk else 0.0, boxes, borders,
     )  # fmt: skip
+    if constant_velocity:
+        boxes[:, 0] = boxes[:, 0].min()
     first = before or Border(borders[0, 0, 0], borders[0, 0, 1], float(length[0]), bool(main[0]))
     ends = np.concatenate([np.stack([first.direction, first.curvature])[None], borders[:-1, 1]])
     turn, bend = np.abs(borders[:, 0, 0] - ends[:, 0]), np.abs(borders[:, 0, 1] - ends[:, 1])
@@ -178,5 +198,6 @@ def _warm_up() -> None:
     tables = np.zeros((1, ROWS, WIDTH))
     tables[0, 1, 0] = tables[0, MAP, 1] = 1.0
     element_limits(
-        tables, np.ones(1), np.ones(1, dtype=np.bool_), np.ones(1), one, one, one, np.zeros((1, 3)), np.zeros((1, 2, 2, 2))
+        tables, np.ones(1), np.ones(1, dtype=np.bool_), np.ones(1), one, one, one, RATE_SHARE, np.zeros((1, 3)),
+        np.zeros((1, 2, 2, 2))
     )  # fmt: skip

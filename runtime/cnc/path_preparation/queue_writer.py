@@ -29,6 +29,7 @@ from runtime.cnc.blocks import (
     Flush,
     FlushKind,
     Hold,
+    LifeCommand,
     Line,
     Message,
     Polyline,
@@ -40,6 +41,7 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolLifeAction,
     ToolRadius,
     UserError,
     Wait,
@@ -72,6 +74,7 @@ _STOPS = {
 
 _RECEIVERS = tuple(Receiver)
 _TIMER_COMMANDS = tuple(TimerCommand)
+_LIFE_COMMANDS = tuple(LifeCommand)
 
 
 class PumpState(Enum):
@@ -264,6 +267,11 @@ class QueueWriter:
             case TimerAction():
                 record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
                 record["value"] = _TIMER_COMMANDS.index(block.command)
+            case ToolLifeAction():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.TOOL_LIFE
+                record["number"] = _LIFE_COMMANDS.index(block.command)
+                record["offset"], record["size"], record["feed"] = block.basic, block.sister, block.variant
+                record["seconds"], record["value"] = block.time, block.distance
             case ExternalWrite():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.EXTERNAL
                 record["number"], record["offset"], record["size"] = KINDS.index(block.kind), block.offset, block.size
@@ -482,8 +490,9 @@ class QueueWriter:
             moving = (fitted.tables[there][:, 1:MAP, : self._axes] != 0.0).any(axis=1)
             feed, share = self._overridden(feed, rapid, moving, True)
             limited = self._limits.polynomials(
-                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before
-            )
+                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before,
+                check_jerk=block.check_jerk, constant_velocity=block.constant_velocity,
+            )  # fmt: skip
             self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
             self._before, self._place = limited.after, ends[-1]
         self._tables = fitted.tables[kept]

@@ -173,6 +173,10 @@ class ChannelParameters(Model):
     ext_wzv_vorhanden: bool = False  # P-CHAN-00016, the tools are those of an external tool management
     t_info_to_wzv: bool = False  # P-CHAN-00087, it is told of T
     t_with_implicit_flush: bool = False  # P-CHAN-00106, #FLUSH CONTINUE with T
+    tool_life_to_wzv: bool = False  # P-CHAN-00076, it is told how long tools are in use
+    tool_life_to_wzv_suppress_zero: bool = False  # P-CHAN-00243, unless they were not
+    tool_life_capture_all_movements: bool = False  # P-CHAN-00255, rapid traverse counts too
+    tool_life_with_d: bool = False  # P-CHAN-00482, a tool is in use from D on, and not from T on
     d_clear_to_wzv: bool = False  # P-CHAN-00103, a program start saves the tool of the program before
     einrechnen_mit_t: bool = False  # P-CHAN-00014, T executes D with its number
     move_tool_offsets_directly: bool = False  # P-CHAN-00100, D moves the axes at once
@@ -210,6 +214,9 @@ class ChannelParameters(Model):
     exact_stop_after_g00: bool = False  # P-CHAN-00235
     # tool radius compensation
     wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
+    # smoothing
+    check_jerk_on_poly_path: int = Field(default=1, ge=0, le=3)  # P-CHAN-00110
+    contouring_consider_inch: bool = False  # P-CHAN-00439, lengths of smoothing in inch under G70
     # subroutines
     path: dict[int, ProgramPath] = Field(default_factory=dict)
     m6_prog_file: str = ""  # P-CHAN-00118

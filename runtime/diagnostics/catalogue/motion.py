@@ -46,3 +46,10 @@ POLYNOMIAL_GEOMETRY = ErrorEntry(
     Reaction.REFUSE,
     "Move the points of the curve apart, or switch the smoothing off for this block.",
 )
+CONTOUR_AT_END = ErrorEntry(
+    301007,
+    "G61 asks for contouring at the end of this block, but no motion follows",
+    Severity.WARNING,
+    Reaction.NONE,
+    "Remove G61, or move it to a block with a motion behind it.",
+)

@@ -162,6 +162,14 @@ def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
     assert values(program, files={"here.nc": "M17"}) == {1: 1, 2: 0, 3: 1}
 
 
+@pytest.mark.spec("isg.var.g-active-flags")
+def test_the_method_of_contouring() -> None:
+    program = "P1 = V.G.CONT_MODE_ACTIVE\nG261\nP2 = V.G.CONT_MODE_ACTIVE\n"
+    for number, method in enumerate(("DIST", "POS", "DIST_SOFT"), 3):
+        program += f"#CONTOUR MODE [{method}]\nP{number} = V.G.CONT_MODE_ACTIVE\n"
+    assert values(f"{program}G260\nP6 = V.G.CONT_MODE_ACTIVE") == {1: 0, 2: 4, 3: 3, 4: 5, 5: 6, 6: 0}
+
+
 @pytest.mark.spec("isg.var.g-active-flags", "isg.var.g-link-rotation")
 @pytest.mark.parametrize(
     ("flag", "switches"),
@@ -170,7 +178,6 @@ def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
         ("MCS_ACTIVE", ("#MCS ON",)),
         ("HSC_ACTIVE", ("#HSC ON", "#SPLINE ON", "#SET SPLINE ON", "G151")),
         ("HSC_SURFACE_ACTIVE", ("#HSC [SURFACE]",)),
-        ("CONT_MODE_ACTIVE", ("G261", "G61 X1")),
         ("OTC_ACTIVE", ("#OTC ON",)),
         ("CAXTRACK_ACTIVE", ("#CAXTRACK ON",)),
         ("LIFT_ACTIVE", ("G00 Z[LIFT POS=25]",)),

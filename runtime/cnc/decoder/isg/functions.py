@@ -1,6 +1,7 @@
 """All registrations of the dialect: importing this module fills the tables."""
 
 from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is named after
+    contouring,
     g_calls,
     g_coordinates,
     g_feed,
@@ -22,6 +23,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     statements_radius_compensation,
     statements_technology,
     statements_timers,
+    statements_tool_life,
     statements_tools,
     statements_variables,
     variables_axis,

@@ -15,7 +15,6 @@ KNOWN = {
     "V.G.WZ[].LINKPOINT": "link points of tools",
     "V.G.WZ_AKT.GOBJECT": "graphic objects of tools",
     "V.G.WZ_AKT.LINKPOINT": "link points of tools",
-    "V.TLM": "tool life",
     "V.G.LIMIT.KIN": "limits of the tool centre point",
     # coordinate systems and kinematics (lines 21190–21314, 21453–21458)
     "V.G.BCS_COUNT_DEF": "coordinate systems",

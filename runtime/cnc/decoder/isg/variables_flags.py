@@ -42,7 +42,6 @@ ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "MCS_ACTIVE": (("MCS",), ()),
     "HSC_ACTIVE": (("HSC", "SPLINE", "SET SPLINE"), (151,)),
     "HSC_SURFACE_ACTIVE": (("HSC",), ()),
-    "CONT_MODE_ACTIVE": ((), (61, 261)),
     "OTC_ACTIVE": (("OTC",), ()),
     "CAXTRACK_ACTIVE": (("CAXTRACK",), ()),
     "SEGMENTATION_ACTIVE": (("SEGMENTATION",), ()),

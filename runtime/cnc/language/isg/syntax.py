@@ -41,6 +41,7 @@ class Group(Enum):
     OUTSIDE_CORNER = "outside corners of the radius compensation"
     COMPENSATED_FEED = "feed of the radius compensation"
     MASKING = "contour masking"
+    CONTOURING = "polynomial contouring"
     NONE = ""  # excludes nothing
 
 

@@ -1,0 +1,28 @@
+"""Errors of contouring, HSC, splines, filters and segmentation."""
+
+from runtime.diagnostics.errors import ErrorEntry, Reaction
+
+CHOOSE_ONE = ErrorEntry(
+    300500,
+    "{first} and {second} exclude each other",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="choose one of them",
+)
+METHOD_UNSUPPORTED = ErrorEntry(
+    300501,
+    "{method} is not supported by this version",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="choose another method of smoothing: DEV, DIST, DIST_SOFT or POS",
+)
+OF_OTHER_METHOD = ErrorEntry(
+    300502,
+    "{key} does not belong to {method}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="{method} takes {known}",
+)
+VALUE_RANGE = ErrorEntry(
+    300503,
+    "{key}={value:.9g} is not within {least:g} to {most:g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+ACCELERATION_ORDER = ErrorEntry(300504, "ACC_MIN is greater than ACC_MAX", reaction=Reaction.STOP_AT_BLOCK_END)
