@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from runtime.diagnostics.catalogue.axis_jobs import JOB_UNKNOWN
 from runtime.hli.layout import JOBS, Axis, AxisFunction, BufferMode, Direction, JobState
 from runtime.hli.units import LENGTH, SPEED
 
@@ -118,7 +119,7 @@ class JobSlot:
         unit.command_semaphor_rw = False
         unit.commands_taken_r += 1
         if job is None:
-            self.answer(number, Answer(JobState.ERROR, NO_SUCH_JOB))
+            self.answer(number, Answer(JobState.ERROR, JOB_UNKNOWN.id))
         return job
 
     def answer(self, number: int, answer: Answer) -> None:
@@ -129,6 +130,3 @@ class JobSlot:
         told.error_r = answer.error
         told.position_r = round(answer.position / LENGTH)
         told.number_r = number
-
-
-NO_SUCH_JOB = 308001  # diagnostics.catalogue.axis_jobs

@@ -160,14 +160,14 @@ class PlcHost:
         """
         cycle = self._begin()
         with cycle_at_ns(time_ns, self._wall()):
+            self._take(time_ns)
             try:
                 finished = self._think(self._running, time_ns)
             except PlcFailure as error:
                 raise self._failed(error) from None
             except (Exception, SystemExit) as error:
                 raise self._failed(failure(catalogue.PLC_RAISED, self._name, error)) from error
-            self._reports.update()
-        self._act(self._running, finished)
+            self._act(self._running, finished)
         self._end(cycle, time_ns)
 
     def stop(self) -> None:
@@ -211,6 +211,7 @@ class PlcHost:
         """
         cycle = self._begin()
         old, name = self._running, program_type.__name__
+        self._take(time_ns)
         calls = [(source, list(source.calls)) for source in self._sources]
         elapsed = self._last_ns
         with cycle_at_ns(self._start_ns, self._wall()):  # what a setup computes from the time is the same again
@@ -239,12 +240,11 @@ class PlcHost:
                 self._running, self._name = old, type(old.program).__name__
                 self._last_ns = elapsed
                 for source, before in calls:
-                    source.calls = before + [call for call in source.calls if call not in before]
-                    for call in source.calls:
+                    source.calls = before
+                    for call in before:
                         call.handler, call.sequence = self._handler(call.function), None
                 raise failure(catalogue.PLC_RELOAD_RAISED, name, error) from error
-            self._reports.update()
-        self._act(new, finished)
+            self._act(new, finished)
         self._end(cycle, time_ns)
         return taken_over
 
@@ -292,20 +292,23 @@ class PlcHost:
             taken.done()
         for port in self._ports:
             port.update()
+        self._reports.update()
+        for source in self._sources:
+            source.was_reset = False  # on_reset was called
         for channel in self._channels:
             channel.watchdog.alive_rw = True
 
     # ------------------------------------------------------------------ technology functions
 
-    def _carry_out(self, time_ns: int) -> list[Taken]:
-        """Call the handlers of all functions that wait; the functions that are finished."""
-        was_reset = False
+    def _take(self, time_ns: int) -> None:
+        """Take what the CNC has put out, and forget what it has withdrawn."""
         for source in self._sources:
             for taken in source.taker.take():
                 source.calls.append(self._call(taken, source.name, time_ns))
-            was_reset |= source.was_reset
-            source.was_reset = False
-        if was_reset:
+
+    def _carry_out(self, time_ns: int) -> list[Taken]:
+        """Call the handlers of all functions that were taken; the functions that are finished."""
+        if any(source.was_reset for source in self._sources):
             self._reports.acknowledge()
             self.program.on_reset()
         finished: list[Taken] = []

@@ -179,6 +179,35 @@ def test_a_broken_version_is_refused_and_the_old_one_goes_on_with_its_state(
     assert sent.done, "a function under way is finished by the old program"
 
 
+def test_a_function_that_only_the_refused_version_has_finished_is_not_lost(
+    version: Callable[[str], type[Program]],
+) -> None:
+    """It came in the trial cycle, and the new handler was done with it before the cycle failed."""
+    bench = running(version(FIRST))
+    broken = FIRST.replace("return self.io.closed", "return True").replace("self.kept += 1", "self.kept += undefined")
+    loaded = version(broken)
+    sent = bench.m(20)
+    with pytest.raises(PlcFailure, match="NameError"):
+        bench.replace(loaded)
+    bench.run(0.1)
+    assert not sent.done
+    bench.set(closed=True)
+    bench.run(0.02)
+    assert sent.done
+
+
+def test_a_reset_in_the_trial_cycle_reaches_the_old_program(version: Callable[[str], type[Program]]) -> None:
+    text = FIRST.replace(
+        "def waiting(self)", "def on_reset(self):\n        self.was_reset = True\n\n    def waiting(self)"
+    )
+    bench = running(version(text))
+    loaded = version(text.replace("self.kept += 1", "self.kept += undefined"))
+    bench.reset()
+    with pytest.raises(PlcFailure, match="NameError"):
+        bench.replace(loaded)
+    assert vars(bench.program)["was_reset"]
+
+
 def test_a_function_under_way_is_finished_by_the_new_version(version: Callable[[str], type[Program]]) -> None:
     bench = running(version(FIRST))
     sent = bench.m(20)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from runtime.plc_logic import Input, Io, Output, PlcError, PlcFailure, Program, retain, task
 from runtime.plc_logic.bench import Bench
 from runtime.plc_logic.reports import Change
-from runtime.plc_logic.retained_variables import RetainJournal
+from runtime.plc_logic.retained_variables import RetainJournal, read_journal
 
 
 class Tasked(Program):
@@ -216,6 +217,21 @@ def test_retained_variables_survive_a_program_that_ends_in_any_way(tmp_path: Pat
     assert again.program.tools == {"spindle": 2}
     without = Bench(Counts, inputs=["part"])
     assert without.program.parts == 0
+
+
+def test_a_disk_that_takes_nothing_is_an_alarm_and_the_program_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = Bench(Counts, inputs=["part"], journal=lambda: RetainJournal(tmp_path))
+    with monkeypatch.context() as broken:
+        broken.setattr(os, "write", lambda *_: 1)
+        bench.set(part=True)
+        bench.run(0.02)
+    bench.run(2.0)
+    assert bench.program.parts == 505
+    assert [report.id for report in bench.reports if report.active] == [304065]
+    bench.host.stop()
+    assert read_journal(tmp_path)[1]["parts"] >= 500
 
 
 class Changed(Program):

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.axes.axis_plan import Dynamics
-from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, MasterPlaces
+from runtime.cnc.axes.gear import MasterPlaces
+from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, spelt
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Problem
@@ -112,7 +113,7 @@ class MachineJobs:
         slot = self._slots[i]
         job = slot.take()
         if job is not None:
-            values = {"axis": self._names[i], "function": job.function.name}
+            values = {"axis": self._names[i], "function": spelt(job)}
             self.problems.append((i, Problem(errors.JOB_SPINDLE, values)))
             slot.answer(job.number, Answer(JobState.ERROR, errors.JOB_SPINDLE.id))
 

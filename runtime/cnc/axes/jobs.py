@@ -22,9 +22,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 from runtime.cnc.axes.axis_plan import Dynamics, Plan, State, plan_speed, proven
+from runtime.cnc.axes.gear import Gear, MasterPlaces, Motion, surely_stops
 from runtime.cnc.axes.single_axis import Goal, SingleAxis
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import ErrorEntry, Problem
@@ -47,6 +47,30 @@ _STATES = {
 _ROUNDING = 1e-6
 _SEEN = 2  # cycles until velocity and acceleration of a master are known
 _UNTOLD = Answer(JobState.NONE)
+
+
+def spelt(job: Job) -> str:
+    """MC_MoveAbsolute."""
+    return f"MC_{job.function.name.title().replace('_', '')}"
+
+
+def wrong_values(job: Job, way: float) -> str:
+    """What is wrong with the inputs of a job, "" nothing; `way`: from where the axis is to the position of the job."""
+    function = job.function
+    values = (job.position, job.velocity, job.acceleration or 1.0, job.deceleration or 1.0, job.jerk or 1.0)
+    if not all(map(math.isfinite, (*values, job.numerator, job.denominator))):
+        return "a value is no finite number"
+    if function in (*_MOVES, *_SUPERIMPOSED, AxisFunction.MOVE_VELOCITY) and not job.velocity > 0.0:
+        return "the velocity has to be above 0"
+    if function is AxisFunction.GEAR_IN:
+        if job.denominator == 0.0:
+            return "the denominator of the ratio is 0"
+        if job.mode & _PHASE_COMPENSATION:
+            return "automatic phase compensation (mode 256) is not available in this version"
+    against = {Direction.POSITIVE: way < 0.0, Direction.NEGATIVE: way > 0.0}.get(job.direction, False)
+    if function is AxisFunction.MOVE_ABSOLUTE and against:
+        return "the axis is not modulo, so the position lies only in the other direction"
+    return ""
 
 
 @dataclass(slots=True)
@@ -76,50 +100,6 @@ class Followed:
         return self.answer.state in _OPEN
 
 
-class Motion(NamedTuple):
-    """A place that is told once per cycle, and what it says about velocity and acceleration at the end of the cycle."""
-
-    p: float
-    v: float = 0.0
-    a: float = 0.0
-    mean: float = 0.0  # velocity in the middle of the cycle
-
-    def moved(self, place: float, period: float) -> Motion:
-        """A cycle later, at `place`."""
-        mean = (place - self.p) / period
-        a = (mean - self.mean) / period
-        return Motion(place, mean + a * period / 2.0, a, mean)
-
-
-@dataclass(slots=True)
-class _Gear:
-    """`begin`: places of slave and master where the gear was locked; None while the slave is still getting there."""
-
-    master: int  # index of the axis
-    ratio: float
-    actual: bool
-    dynamics: Dynamics
-    master_motion: Motion
-    motion: Motion  # of the slave while it is locked
-    begin: tuple[float, float] | None = None
-    wanted: float = math.nan  # velocity that was commanded last
-    seen: int = 0  # cycles
-
-
-class MasterPlaces:
-    """Where the axes are that others follow: arrays of the drive image."""
-
-    def __init__(self, numbers: dict[int, int], target: object, actual: object) -> None:
-        """`numbers`: logical axis number -> index."""
-        self.numbers = numbers
-        self._target, self._actual = target, actual
-
-    def of(self, index: int, actual: bool) -> float:
-        """Commanded or actual place of an axis."""
-        places = self._actual if actual else self._target
-        return float(places[index])  # type: ignore[index]
-
-
 class AxisJobs:
     """The jobs of one axis. `give` hands a job over, `step` is called once per cycle."""
 
@@ -147,7 +127,7 @@ class AxisJobs:
         self._extra = SingleAxis(limits, period)
         self._stopping_plan = Plan()
         self._offset = 0.0
-        self._gear: _Gear | None = None
+        self._gear: Gear | None = None
         self._gear_state = State(0.0, 0.0, 0.0)  # of the slave while it follows
         self._current: Followed | None = None
         self._next: Followed | None = None
@@ -376,7 +356,7 @@ class AxisJobs:
             actual = bool(job.mode & _ACTUAL_VALUES)
             ratio = job.numerator / job.denominator
             place = Motion(self._masters.of(master, actual))
-            self._gear = _Gear(master, ratio, actual, dynamics, place, place)
+            self._gear = Gear(master, ratio, actual, dynamics, place, place)
             self._gear_state = State(self._base.position, self._base.velocity, self._base.acceleration)
         elif function is AxisFunction.GEAR_OUT:
             self._base.move_at(self._base.velocity, dynamics)
@@ -385,7 +365,8 @@ class AxisJobs:
         self.state = _STATES[function]
         self._tell(followed, JobState.DONE if function is AxisFunction.GEAR_OUT else JobState.ACTIVE)
         if function is AxisFunction.GEAR_OUT:
-            self._current = None if self._base.standstill else replace_job(followed)
+            onwards = replace(job, function=AxisFunction.MOVE_VELOCITY, number=0)  # nobody waits for it
+            self._current = None if self._base.standstill else Followed(onwards, Answer(JobState.ACTIVE))
 
     def _target(self, job: Job) -> float:
         """Where a motion leads, in coordinates of the axis."""
@@ -445,7 +426,7 @@ class AxisJobs:
         way = target - self._base.position
         if way * onwards <= 0.0:
             return  # it has to turn there, so it stands there
-        faster = replace_velocity(first, max(first.velocity, speed))
+        faster = replace(first, velocity=max(first.velocity, speed))
         self._base.move_to(target, faster, math.copysign(speed, way))
 
     # ------------------------------------------------------------------ superimposed motion
@@ -514,7 +495,7 @@ class AxisJobs:
 
     # ------------------------------------------------------------------ gear
 
-    def _follow(self, gear: _Gear, hold: bool) -> None:
+    def _follow(self, gear: Gear, hold: bool) -> None:
         """One cycle of a slave: on its way to the master's velocity, or locked."""
         place = self._masters.of(gear.master, gear.actual)
         gear.master_motion = gear.master_motion.moved(place, self._period)
@@ -523,7 +504,7 @@ class AxisJobs:
         if gear.begin is None:
             gear.seen += 1
             velocity, acceleration = gear.ratio * gear.master_motion.v, gear.ratio * gear.master_motion.a
-            if velocity != gear.wanted:
+            if not abs(velocity - gear.wanted) <= _ROUNDING * self._limits.velocity:
                 gear.wanted = velocity
                 self._base.move_at(velocity, gear.dynamics)
             p = self._base.step(1.0, hold)
@@ -554,9 +535,12 @@ class AxisJobs:
         From every state that it takes it can be brought to rest within its limits.
         """
         limits, extra, plan = self._limits, self._extra, self._stopping_plan
+        least, greatest = self._least - self._offset, self._greatest - self._offset
         total = State(state.p + extra.position, state.v + extra.velocity, state.a + extra.acceleration)
+        if surely_stops(total, limits, least, greatest):
+            return ""
         plan_speed(plan, total, 0.0, limits)
-        if proven(plan, limits, self._least - self._offset, self._greatest - self._offset):
+        if proven(plan, limits, least, greatest):
             return ""
         low, high, speed, acceleration = plan.extrema()
         if speed > limits.velocity * (1.0 + _ROUNDING):
@@ -604,17 +588,17 @@ class AxisJobs:
             return self._problem(errors.JOB_STOPPING, job)
         if function is AxisFunction.HOME and not self._absolute:
             return self._problem(errors.JOB_HOME, job)
-        wrong = self._wrong_values(job)
+        wrong = wrong_values(job, job.position - self.position)
         if wrong:
             return self._problem(errors.JOB_VALUE, job, what=wrong)
         if self._waits(job):
             return self._problem(errors.JOB_BUFFER_FULL, job) if self._next is not None else None
+        if function in (AxisFunction.GEAR_OUT, AxisFunction.PHASING) and self._gear is None:
+            return self._problem(errors.JOB_NO_GEAR, job)
         if function in _SUPERIMPOSED or function in _MOVES:
             return self._aims_beyond(job)
         if function is AxisFunction.GEAR_IN and self._masters.numbers.get(job.master, self._index) == self._index:
             return self._problem(errors.JOB_MASTER, job, master=job.master)
-        if function in (AxisFunction.GEAR_OUT, AxisFunction.PHASING) and self._gear is None:
-            return self._problem(errors.JOB_NO_GEAR, job)
         return None
 
     def _wrong_probe(self, job: Job) -> Problem | None:
@@ -623,27 +607,6 @@ class AxisJobs:
                 errors.JOB_VALUE, job, what="a probe has an input from 1 and mode 1 (falling) or 2 (rising)"
             )
         return None
-
-    def _wrong_values(self, job: Job) -> str:
-        """What is wrong with the inputs of a job, "" nothing."""
-        values = (job.position, job.velocity, job.acceleration or 1.0, job.deceleration or 1.0, job.jerk or 1.0)
-        if not all(map(math.isfinite, (*values, job.numerator, job.denominator))):
-            return "a value is no finite number"
-        if job.function in (*_MOVES, *_SUPERIMPOSED, AxisFunction.MOVE_VELOCITY) and not job.velocity > 0.0:
-            return "the velocity has to be above 0"
-        if job.function is AxisFunction.GEAR_IN:
-            if job.denominator == 0.0:
-                return "the denominator of the ratio is 0"
-            if job.mode & _PHASE_COMPENSATION:
-                return "automatic phase compensation (mode 256) is not available in this version"
-        if job.function is AxisFunction.PHASING and self._gear is None:
-            return "there is no gear"
-        if job.function is AxisFunction.MOVE_ABSOLUTE:
-            way = job.position - self.position
-            against = {Direction.POSITIVE: way < 0.0, Direction.NEGATIVE: way > 0.0}.get(job.direction, False)
-            if against:
-                return "the axis is not modulo, so the position lies only in the other direction"
-        return ""
 
     def _aims_beyond(self, job: Job) -> Problem | None:
         """A target outside of the software limits."""
@@ -662,9 +625,7 @@ class AxisJobs:
     # ------------------------------------------------------------------ telling
 
     def _problem(self, entry: ErrorEntry, job: Job, **values: object) -> Problem:
-        return Problem(
-            entry, {"axis": self.name, "function": f"MC_{job.function.name.title().replace('_', '')}", **values}
-        )
+        return Problem(entry, {"axis": self.name, "function": spelt(job), **values})
 
     def _fail(self, followed: Followed, problem: Problem) -> None:
         self.problems.append(problem)
@@ -675,13 +636,3 @@ class AxisJobs:
         if followed.answer.state is not state:
             followed.answer = Answer(state)
             self.changed.append(followed)
-
-
-def replace_job(followed: Followed) -> Followed:
-    """The endless motion that a released slave goes on with: nobody waits for it."""
-    return Followed(replace(followed.job, function=AxisFunction.MOVE_VELOCITY, number=0), Answer(JobState.ACTIVE))
-
-
-def replace_velocity(dynamics: Dynamics, velocity: float) -> Dynamics:
-    """The same dynamics with another velocity."""
-    return replace(dynamics, velocity=velocity)

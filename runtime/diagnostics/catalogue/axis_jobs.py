@@ -7,7 +7,11 @@ def _entry(number: int, text: str, remedy: str) -> ErrorEntry:
     return ErrorEntry(number, text, severity=Severity.ERROR, reaction=Reaction.NONE, remedy=remedy)
 
 
-JOB_UNKNOWN = _entry(308001, "axis {axis}: a job whose numbers are none of the interface", "see runtime/hli/layout.py")
+JOB_UNKNOWN = _entry(
+    308001,
+    "a job whose function, direction or buffer mode is no number of the interface",
+    "tandem hli header tells them",
+)
 JOB_DISABLED = _entry(
     308002,
     "axis {axis}: {function} without an enabled drive",

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from runtime.cnc.axes.axis_plan import Dynamics
-from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, Followed, MasterPlaces
+from runtime.cnc.axes.axis_plan import Dynamics, Plan, State, plan_speed, proven
+from runtime.cnc.axes.gear import MasterPlaces, surely_stops
+from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, Followed
 from runtime.hli.axis_jobs import Job
 from runtime.hli.layout import AxisFunction as F
 from runtime.hli.layout import BufferMode, Direction, JobState, MotionState
@@ -151,7 +152,7 @@ def test_endless_motion_halt_and_stop() -> None:
         (Job(F.GEAR_IN, master=2, denominator=0.0), 308008),
         (Job(F.GEAR_IN, master=2, mode=256), 308008),
         (Job(F.GEAR_OUT), 308011),
-        (Job(F.PHASING, 1.0, 1.0), 308008),
+        (Job(F.PHASING, 1.0, 1.0), 308011),
         (Job(F.TOUCH_PROBE, mode=3, master=1), 308008),
     ],
 )
@@ -355,7 +356,16 @@ def test_a_probe_records_the_place_of_its_edge() -> None:
     assert rig.jobs.probe_input == 0
 
 
-# --------------------------------------------------------------------------------------------- law
+# --------------------------------------------------------------------------------------------- laws
+
+
+@given(st.floats(LEAST, GREATEST), st.floats(-110.0, 110.0), st.floats(-1100.0, 1100.0))
+def test_the_quick_bound_is_never_more_hopeful_than_the_plan(p: float, v: float, a: float) -> None:
+    if surely_stops(State(p, v, a), LIMITS, LEAST, GREATEST):
+        plan = Plan()
+        plan_speed(plan, State(p, v, a), 0.0, LIMITS)
+        assert proven(plan, LIMITS, LEAST, GREATEST)
+
 
 SPEED = st.sampled_from([5.0, 30.0, 60.0, 100.0, 500.0])
 PLACE = st.floats(-260.0, 360.0)
