@@ -129,7 +129,7 @@ def settings_of(x: Execution, call: StatementCall, now: Contouring) -> Contourin
             continue
         if not least <= value <= most:
             raise call.error(catalogue.VALUE_RANGE, name, key=name, value=value, least=least, most=most)
-        changes[field] = value * (_length(x) if name in _LENGTHS else scale)
+        changes[field] = value * (length_unit(x) if name in _LENGTHS else scale)
     if call.given("DIST_WEIGHT") and call.number("DIST_WEIGHT") != 0:
         raise call.error(catalogue.METHOD_UNSUPPORTED, "DIST_WEIGHT", method="DIST_WEIGHT")
     if soft and "before" in changes and "tracking_distance" not in changes and not x.smoothing.own_track_distance:
@@ -167,7 +167,7 @@ _NUMBERS = (
 _LENGTHS = frozenset({"PATH_DEV", "PRE_DIST", "POST_DIST", "PATH_DIST", "RELEVANT_PATH"})
 
 
-def _length(x: Execution) -> float:
+def length_unit(x: Execution) -> float:
     """mm per programmed unit: inch under G70 with P-CHAN-00439 only."""
     return x.length(1.0) if x.setup.contouring_inch else 1.0
 

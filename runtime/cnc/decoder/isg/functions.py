@@ -7,6 +7,8 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_feed,
     g_motion,
     g_offsets,
+    segmentation,
+    splines,
     statements_channel,
     statements_cycles,
     statements_display,

@@ -35,12 +35,9 @@ def centre_corrected(x: Execution) -> float:
 ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "TRAFO_ACTIVE": (("TRAFO",), ()),
     "MCS_ACTIVE": (("MCS",), ()),
-    "HSC_ACTIVE": (("HSC", "SPLINE", "SET SPLINE"), (151,)),
-    "HSC_SURFACE_ACTIVE": (("HSC",), ()),
     "TRC_ACTIVE": ((), (41, 42)),
     "OTC_ACTIVE": (("OTC",), ()),
     "CAXTRACK_ACTIVE": (("CAXTRACK",), ()),
-    "SEGMENTATION_ACTIVE": (("SEGMENTATION",), ()),
     "STROKE_DEF_ACTIVE": (("STROKE DEF",), ()),
     "PUNCH_ACTIVE": (("PUNCH",), ()),
     "NIBBLE_ACTIVE": (("NIBBLE",), ()),

@@ -32,6 +32,7 @@ class Group(Enum):
     OVERRIDE = "override"
     EXACT_STOP = "exact stop"
     CONTOURING = "polynomial contouring"
+    SPLINE = "spline"
     NONE = ""  # excludes nothing
 
 
