@@ -14,6 +14,7 @@ from bench.stopwatch import seconds
 from runtime.cli.check import check
 from runtime.cnc.blocks import Polyline
 from runtime.cnc.decoder import Decoder, DecoderSetup, load_program
+from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import PumpState, SoftwareLimits
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
@@ -36,13 +37,14 @@ def measure() -> list[Figure]:
     warm_up()
     machine = load_machine(None)
     setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
+    axes = AxisLimits.of(machine.axes[machine.axis_index(name)] for name in machine.channels[0].axes)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         surface = programs.write(folder, "surface.nc", programs.surface(SURFACE_MOVES))
         loop = programs.write(folder, "loop.nc", programs.loop(LOOP_PASSES))
         while_loop = programs.write(folder, "while.nc", programs.while_loop(LOOP_PASSES))
         arcs = programs.write(folder, "arcs.nc", programs.arcs(LOOP_PASSES))
-        check(surface, setup, limits)
+        check(surface, setup, limits, axes)
         while_blocks = LOOP_PASSES * programs.WHILE_BLOCKS
         rates: list[tuple[str, float, float | None]] = [
             ("plain blocks, decoded", SURFACE_MOVES / seconds(lambda: _decode(surface, setup)), PLAIN_LIMIT),
@@ -59,7 +61,9 @@ def measure() -> list[Figure]:
             ("FOR with expressions and a branch", _decode(loop, setup) / seconds(lambda: _decode(loop, setup)), None),
             ("arcs", LOOP_PASSES / seconds(lambda: _decode(arcs, setup)), None),
         ]
-        whole = Figure(f"check of {SURFACE_MOVES} plain blocks", seconds(lambda: check(surface, setup, limits)), "s")
+        whole = Figure(
+            f"check of {SURFACE_MOVES} plain blocks", seconds(lambda: check(surface, setup, limits, axes)), "s"
+        )
         return [whole, *(Figure(name, rate, "blocks/s", limit, better="higher") for name, rate, limit in rates)]
 
 

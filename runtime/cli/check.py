@@ -28,8 +28,10 @@ from runtime.cnc.decoder import (
     look_through,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.path_preparation import SoftwareLimits, SpatialArcs, smooth
+from runtime.cnc.path_preparation import LateSynchronisation, SoftwareLimits
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
+from runtime.cnc.stages import prepared
+from runtime.cnc.tool_radius_comp import CompensationError
 from runtime.cnc.tools.table import MemoryTools
 from runtime.cnc.tools.tool import Tool
 from runtime.config.loader import load_machine
@@ -101,11 +103,11 @@ def check(
         memory = ChannelMemory(setup, MemoryTools(tools))
         start = limits.nearest(np.zeros(len(setup.axes)))
         decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
-        for _ in limits(smooth(SpatialArcs()(decoder.blocks()), axes, warnings)):
+        for _ in prepared(decoder.blocks(), axes, limits, LateSynchronisation(), warnings):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break
-    except SoftwareLimitError as error:
+    except (SoftwareLimitError, CompensationError) as error:
         assert program is not None
         return (located(program, error.problem),), (*warnings, *(decoder.warnings if decoder else ()))
     except ProgramError as error:

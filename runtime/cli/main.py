@@ -37,6 +37,7 @@ SUB_COMMANDS = (
         "lang", "runtime.cli.lang", "Print the reference of the language: every supported function with its syntax."
     ),
     SubCommand("simulate", "runtime.cli.simulate", "Run a program in virtual time, as fast as the computer can."),
+    SubCommand("compare", "runtime.cli.compare", "Overlay two traces of simulate: what did this parameter change?"),
     SubCommand("tools", "runtime.cli.tools", "Show and change the tool table of a machine."),
     SubCommand("run", "runtime.cli.run", "Run the machine in real time until stopped."),
     SubCommand("doctor", "runtime.cli.doctor", "Tell whether this host is fit for real time, and what to do if not."),

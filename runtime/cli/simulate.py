@@ -19,7 +19,7 @@ def command(
     trace: Annotated[
         Path | None, typer.Option(help="Write blocks, events, samples and summary into this folder.")
     ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw the path into this PNG file.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw path, speeds and axes into this PNG file.")] = None,
     ideal_axes: Annotated[bool, typer.Option("--ideal-axes", help="Without drives in the loop: faster.")] = False,
     no_plc: Annotated[bool, typer.Option("--no-plc", help="Every function is acknowledged at once.")] = False,
     watch: Annotated[
@@ -64,10 +64,10 @@ def command(
     print("end position " + "  ".join(f"{name} {value:.4f}" for name, value in result.positions.items()))
     samples = simulation.samples
     if plot is not None and samples is not None and len(samples.rapid) > 1:
-        from runtime.cli.plot import plot_path
+        from runtime.cli.plot_motion import pictures_of, plot_motion
 
         title = f"{file.name} on {machine.name}"
-        plot_path(plot, samples.arrays(), samples.rapid, machine.channels[0].axes, title)
+        plot_motion(plot, samples.arrays(), samples.rapid, pictures_of(machine), machine.cycle.period, title)
         print(f"picture {plot}")
     if not result.good:
         raise typer.Exit(1)

@@ -12,6 +12,7 @@ from enum import Enum, IntEnum, IntFlag
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.dynamic_settings import DynamicSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 
 Floats = npt.NDArray[np.float64]
@@ -26,7 +27,37 @@ class Synch(IntFlag):
     MVS_SVS = 0x2
     MVS_SNS = 0x4
     MNS_SNS = 0x8
+    MNE_SNS = 0x20
+    MVS_SLM = 0x4000
+    MVS_SLP = 0x8000
     PLC_INFO = 0x20000
+    MOS_TS = 0x40000
+    MEP_MOS = 0x100000
+    MET_MOS = 0x200000
+    BWD_SYNCH = 0x400000
+    FWD_SYNCH = 0x800000
+    MEP_SVS = 0x1000000
+    MET_SVS = 0x2000000
+    FAW_SYNCH = 0x10000000
+
+    @property
+    def kind(self) -> Synch:
+        """The type without the flags that may stand beside it."""
+        return self if self < 0 else Synch(int(self) & ~int(SYNCH_FLAGS))
+
+    @property
+    def flags(self) -> Synch:
+        """The flags beside the type. (With NOT_VALID among its members `~` of this class is of no use.)"""
+        return Synch(int(self) & int(SYNCH_FLAGS))
+
+
+SYNCH_FLAGS = Synch.PLC_INFO | Synch.BWD_SYNCH | Synch.FWD_SYNCH | Synch.FAW_SYNCH
+BY_PATH = Synch.MEP_MOS | Synch.MEP_SVS  # put out a distance ahead of their place
+BY_TIME = Synch.MET_MOS | Synch.MET_SVS  # a time ahead of it
+AHEAD = BY_PATH | BY_TIME
+LATE = Synch.MVS_SLM | Synch.MVS_SLP  # waited for in a later block
+# what is waited for at the end of the block in which it was put out
+AT_BLOCK_END = Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS | Synch.MNE_SNS | Synch.MEP_SVS | Synch.MET_SVS
 
 
 class Technology(IntEnum):
@@ -212,7 +243,9 @@ class TechnologyFunction:
 
     It stands in the stream before the motion of its block if it is put out before it, after it otherwise; `synch` says
     when the path waits. For S, `value` is the speed in rev/min and `number` the M function (3, 4, 5, 19) or 0 for a new
-    speed only; `spindle` is the index of the spindle among the channel's spindles, else -1.
+    speed only; `spindle` is the index of the spindle among the channel's spindles, else -1. `area` is the index of the axis
+    on whose interface it is put out, among all axes of the machine, -1 for the interface of the channel. `lead` is how far
+    ahead of its place it is put out: mm for MEP, seconds for MET types. `duration`: seconds that it is expected to take.
     """
 
     source: Source
@@ -221,18 +254,17 @@ class TechnologyFunction:
     value: float
     synch: Synch
     spindle: int = -1
+    area: int = -1
+    lead: float = 0.0
+    duration: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """Where the path waits for acknowledgements.
-
-    `before` stands in front of the block's motion and waits for the MVS_SVS functions put out so far; otherwise it stands behind
-    the motion and waits for every function put out so far.
-    """
+    """Where the path waits for acknowledgements: for the functions of these types that were put out so far."""
 
     source: Source
-    before: bool = False
+    kinds: Synch = AT_BLOCK_END
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,6 +306,75 @@ class SoftwareLimitChange:
 
     source: Source
     limits: tuple[tuple[float, float], ...]
+
+
+class Approach(IntEnum):
+    """How radius compensation begins and ends, by its G function."""
+
+    TANGENTIAL = 5
+    DIRECT = 138
+    INDIRECT = 139
+    ON_PATH = 236
+    PERPENDICULAR = 237
+    INSIDE_CORNER = 238
+    WITHOUT_BLOCK = 239
+
+
+@dataclass(frozen=True, slots=True)
+class Segments:
+    """#TRC SPLIT: the approach (`pre`) and the exit (`post`) run in segments of their own feed; (mm, mm/min) each.
+
+    `axis` is the index of the axis along which the lengths are measured, None for the path.
+    """
+
+    pre: bool
+    post: bool
+    axis: int | None
+    first: tuple[float, float]
+    second: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CompensationSettings:
+    """What G functions and #TRC choose for radius compensation; the defaults are the initial state of a program."""
+
+    circular: bool = False  # G26: arcs around outside corners
+    adapt_feed: bool = False  # G11: F counts at the cutting edge
+    masking: bool = False  # G141
+    convert_arcs: bool = False  # CONV_CIR_TO_LIN
+    kerf_masking: bool = False
+    reverse: bool = False
+    ignore_damage: bool = False  # IGNORE_CONT_DAMAGE
+    remove_masked: bool = False  # REMOVE_MASKED_BLOCKS
+    extended_limit: bool = False  # EXT_ANGLE_BLOCK_INTERSECTION
+    stretch: float = 1.0  # STRETCH_FACTOR, radii
+    perpendicular_change: bool = False  # PERPENDICULAR_RADIUS_CHANGE
+    line_on_path: bool = False  # G236_LIN
+    suppress: bool = False  # SUPPRESS_TRC
+    segments: Segments | None = None  # SPLIT, SPLIT_PATH
+
+
+@dataclass(frozen=True, slots=True)
+class RadiusCompensation:
+    """G40, G41, G42 and everything that changes while they hold: what is valid from here on.
+
+    `side` is +1 where the tool runs left of the contour on the machine, -1 right of it, 0 on it. Taken by the stage of radius
+    compensation; it does not reach the queue.
+    """
+
+    source: Source
+    side: int
+    approach: Approach
+    plane: tuple[int, int]
+    settings: CompensationSettings = CompensationSettings()
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicsChange:
+    """Other dynamic settings from here on; at program start those of the channel hold. It does not reach the queue."""
+
+    source: Source
+    settings: DynamicSettings
 
 
 class ContourMethod(Enum):
@@ -536,6 +637,8 @@ Block = (
     | Stop
     | BlockEnd
     | SoftwareLimitChange
+    | DynamicsChange
+    | RadiusCompensation
     | ContourChange
     | SplineChange
     | SegmentationChange

@@ -13,7 +13,7 @@ before the path gets there; then the path runs through it without slowing down.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -26,7 +26,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
-from runtime.cnc.technology import TechnologyFunctions
+from runtime.cnc.technology import TechnologyFunctions, TechnologySettings
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
@@ -39,6 +39,7 @@ Floats = npt.NDArray[np.float64]
 # plain numbers: flags of the enum class are slow to combine in every cycle
 _LAST_MOTION, _FUNCTION = int(RecordKind.POLYNOMIAL), int(RecordKind.FUNCTION)
 _BLOCK_END, _ACTION = int(RecordKind.BLOCK_END), int(RecordKind.ACTION)
+_FUNCTION_AHEAD = int(RecordKind.FUNCTION_AHEAD)
 _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
@@ -96,7 +97,8 @@ class Channel:
         hli: Hli,
         area: ChannelArea,
         spindles: list[Spindle],
-        spindle_ports: list[TechnologyPort],
+        axis_ports: Mapping[int, TechnologyPort],
+        settings: TechnologySettings,
         events: EventRing,
         period: float,
         axes: npt.NDArray[np.int64],
@@ -104,11 +106,22 @@ class Channel:
     ) -> None:
         self._axes = axes
         self._window = window
+        self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
         self.interpolator = interpolator
         self.link = link
-        self.functions = TechnologyFunctions(queue, TechnologyPort(area), spindles, spindle_ports, self._event)
+        self.functions = TechnologyFunctions(
+            queue,
+            interpolator,
+            TechnologyPort(area),
+            axis_ports,
+            spindles,
+            area.status,
+            settings,
+            self._event,
+            self.problems.append,
+        )
         self.actions = Actions(queue, link, hli, area, self._tell_message, self._tell_warning)
         self.spindles = spindles
         self.events = events
@@ -122,8 +135,8 @@ class Channel:
         self.trace_blocks = False  # every block start and end as an event
         self.block_counter = 0
         self.path_length = 0.0  # mm, of the program that ended last
-        self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self._dwell_left = -1.0
+        self._drops = True
         self._continue_was = False
         self._told_failure = False
         self._traced_index = -1
@@ -149,13 +162,14 @@ class Channel:
         self.actions.begin()
         self.queue.discard_all()
         self.interpolator.restart(position)
+        self.functions.restart()
         self.link.start(StartOrder(program, position, skip_levels))
         self.phase = Phase.STARTING
 
     def abort(self) -> None:
         """Brake on the path, then drop the rest of the program."""
         if self.phase is Phase.STARTING:
-            self._clear()
+            self._clear(drop=True)
         elif self.phase is Phase.RUNNING:
             self.interpolator.abort()
             self.phase = Phase.ABORTING
@@ -163,7 +177,7 @@ class Channel:
     def abort_at_once(self, position: Floats) -> None:
         """The axes brake by themselves (quick stop, bus gone): drop the program, the path starts anew at `position`."""
         if self.phase in (Phase.STARTING, Phase.RUNNING, Phase.ABORTING):
-            self._clear()
+            self._clear(drop=True)
         self.interpolator.restart(position)
 
     def fail(self, entry: ErrorEntry) -> None:
@@ -186,8 +200,10 @@ class Channel:
         for spindle in self.spindles:
             spindle.stop()
 
-    def _clear(self) -> None:
+    def _clear(self, *, drop: bool) -> None:
+        """The program is over. `drop`: what is still out is withdrawn; else the PLC goes on with it."""
         self.link.abort()
+        self._drops = drop
         self.phase = Phase.CLEARING
 
     # ------------------------------------------------------------------ what the others want to know
@@ -260,14 +276,15 @@ class Channel:
         passed = path.passed
         for index in passed:
             self._pass(index)
+        self.functions.look_ahead(held=held or override == 0.0)
         if self.trace_blocks:
             self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
             self._tell_gap()
-            self._clear()
+            self._clear(drop=True)
         elif self.phase is Phase.ABORTING and path.aborted:
-            self._clear()
+            self._clear(drop=True)
         elif self.phase is Phase.RUNNING and (path.starved or self._nothing_will_come()):
             stop |= self._out_of_blocks()
         if stop != self.stop_condition:
@@ -284,8 +301,8 @@ class Channel:
     def _out_of_blocks(self) -> int:
         """Nothing more is known: the preparation is behind, or it has failed and this is as far as the program goes."""
         self._tell_failure()
-        if self.link.state is PreparationState.FAILED and self.interpolator.standstill and not self.waiting_functions:
-            self._clear()
+        if self.link.state is PreparationState.FAILED and self.interpolator.standstill and not self.functions.end_waits:
+            self._clear(drop=False)
         return _NO_BLOCKS | _PROGRAM_WAITS if self.link.holds else _NO_BLOCKS
 
     def _tell_gap(self) -> None:
@@ -316,7 +333,9 @@ class Channel:
         self.path_length = self.interpolator.path_position
         self.queue.discard_all()
         self.interpolator.restart(self.interpolator.position.copy())
-        self.functions.drop()
+        if self._drops:
+            self.functions.drop()
+        self.functions.restart()
         self._dwell_left = -1.0
         self._settling = 0.0
         self.program_ended = True
@@ -342,7 +361,7 @@ class Channel:
                 return _NONE
             return _SINGLE_BLOCK | _WAIT_CONTINUE
         if gate.reason is GateReason.WAIT:
-            if not path.functions_before_gate and self.functions.passable(gate):
+            if self.functions.passable(path.gate, gate):
                 path.open_gate()
                 return _NONE
             if not path.at_gate:
@@ -370,11 +389,11 @@ class Channel:
         if gate.reason is GateReason.USER_ERROR:
             return self._user_error(gate)
         if gate.reason is GateReason.PROGRAM_END:
-            if self.waiting_functions:
+            if self.functions.end_waits:
                 return _WAIT_TECHNOLOGY
             self._event(EventKind.BLOCK_END, gate.line, gate.n)
             path.open_gate()
-            self._clear()
+            self._clear(drop=False)
             return _NONE
         if pressed:
             path.open_gate()
@@ -438,6 +457,8 @@ class Channel:
         kind = self.queue.kind(index)
         if kind == _FUNCTION:
             self.functions.take(index)
+        elif kind == _FUNCTION_AHEAD:
+            self.functions.take_ahead(index)
         elif kind == _BLOCK_END:
             self.block_counter += 1
         elif kind == _ACTION:

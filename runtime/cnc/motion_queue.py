@@ -18,6 +18,9 @@ allows by itself: jumps of velocity and acceleration, exact stops, the feed at t
 path velocity may be on the element follows from both and the geometry. `v_limit`, `a_limit`, `j_limit` and `v_entry`
 are the same in one box per element.
 
+What the program itself limits along the path (`path_v`, `path_a`, `path_d`, `path_j`: #VECTOR LIMIT, programmed override
+of rapid moves; 0: nothing) holds beside it; the box has it already. `unwatched`: what does not limit the path on this
+element although the axes would (G115, G116): bits of `dynamic_settings.LookAhead`.
 The coefficients of a polynomial lie in a second array, in the slot of its record. It is written for polynomials only, so
 that lines cost nothing more.
 
@@ -54,6 +57,7 @@ class RecordKind(IntEnum):
     GATE = 4  # the path stops here unless the gate has been opened
     BLOCK_END = 5  # the end of an NC block: a gate in single block
     ACTION = 6  # done by the cycle when the path arrives here
+    FUNCTION_AHEAD = 7  # technology function, put out some way or time before the path arrives here
 
 
 class GateReason(IntEnum):
@@ -103,7 +107,7 @@ RECORD = np.dtype(
         ("centre0", "f8"),
         ("centre1", "f8"),
         ("angle", "f8"),  # signed, radians
-        # FUNCTION
+        # FUNCTION, FUNCTION_AHEAD
         ("function", "i8"),  # runtime.cnc.blocks.Technology
         ("number", "i8"),
         ("synch", "i8"),
@@ -117,10 +121,22 @@ RECORD = np.dtype(
         ("text", "i8"),  # index into the texts, -1: none
         ("offset", "i8"),
         ("size", "i8"),
+        # FUNCTION, FUNCTION_AHEAD
+        ("area", "i8"),  # index of the axis on whose interface it is put out, -1: of the channel
+        ("lead", "f8"),  # how far ahead, mm or s
         # LINE, ARC, POLYNOMIAL
         ("override_off", "i8"),  # 1: every override counts as 100 % while the path is on this element (G166)
         ("limits", "i8"),  # number of the set of axis limits
         ("v_corner", "f8"),  # greatest path velocity over the corner before this element, whatever its curvature
+        (
+            "path_v",
+            "f8",
+        ),  # greatest path velocity, acceleration, deceleration and jerk that the program allows, 0: any
+        ("path_a", "f8"),
+        ("path_d", "f8"),
+        ("path_j", "f8"),
+        ("unwatched", "i8"),
+        ("brake_late", "i8"),  # 1: a lower feed than that of the element before is reached behind the border (G901)
     ],
     align=True,
 )
@@ -129,7 +145,7 @@ Records = npt.NDArray[np.void]
 Floats = npt.NDArray[np.float64]
 Counters = npt.NDArray[np.int64]
 
-_HEAD = 64  # bytes: written, read, number of programs ever named
+_HEAD = 64  # bytes: written, read, number of programs ever named, functions to be put out ahead ever written
 _NAMES = PROGRAMS * PROGRAM_NAME
 
 
@@ -188,6 +204,7 @@ class MotionQueue:
         if tables is not None:
             self.polynomials[slot : slot + first] = tables[:first]
             self.polynomials[: count - first] = tables[first:count]
+        self.counters[3] += np.count_nonzero(records["kind"][:count] == RecordKind.FUNCTION_AHEAD)
         self.counters[0] = written + count
         return count
 
@@ -217,6 +234,11 @@ class MotionQueue:
     def kind(self, index: int) -> int:
         """RecordKind of the record of an absolute index, as a plain number."""
         return int(self._kinds[index % self.capacity])
+
+    @property
+    def functions_ahead(self) -> int:
+        """Functions to be put out ahead of their place that were ever written."""
+        return int(self.counters[3])
 
     def program_name(self, program: int) -> str:
         """The name behind a program id."""

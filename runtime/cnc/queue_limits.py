@@ -11,7 +11,8 @@ of them. A slope with ramp times is a jerk of acceleration / ramp time, one with
 period of the cycle; both are finite.
 
 A set is kept until the last record that was written while it was valid is free again. When all are in use the producer
-waits, as with a full queue.
+waits, as with a full queue. Limits that come again (rapid moves and moves at feed take turns) are the set that they were,
+if it is not too old: an old one is put anew, so that its place can become free.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import numpy.typing as npt
 from runtime.cnc.geometry.axis_limits import AxisLimits
 
 SETS = 128
+AGAIN = 64  # sets that may become valid again
 VELOCITY, ACCELERATION, DECELERATION, JERK, BRAKING_JERK, VELOCITY_STEP = 0, 1, 2, 3, 4, 5
 ROWS = 6
 _HEAD = 64  # bytes: number of sets ever put
@@ -45,6 +47,8 @@ class QueueLimits:
             buffer, dtype=np.float64, count=SETS * ROWS * max_axes, offset=offset + _HEAD
         ).reshape(SETS, ROWS, max_axes)
         self._n = n_axes
+        self._current: AxisLimits | None = None  # put last
+        self._number = int(self._counters[0]) - 1
         self._queue = queue_counters
         self._until = np.full(
             SETS, self._queue[0]
@@ -56,8 +60,22 @@ class QueueLimits:
         put = int(self._counters[0])
         return put < SETS or int(self._queue[1]) >= int(self._until[put % SETS])
 
-    def put(self, limits: AxisLimits) -> int:
-        """The number of the set with these limits; it is valid from the next record on. Producer only, while `room`."""
+    def room_for(self, count: int) -> bool:
+        """Whether `put` will take so many other sets now."""
+        if count == 1:
+            return self.room
+        put = int(self._counters[0])
+        slots = np.arange(max(put, SETS), max(put + count, SETS)) % SETS
+        return bool((self._until[slots] <= self._queue[1]).all())
+
+    def put(self, limits: AxisLimits, records: int = 0) -> int:
+        """The number of the set with these limits; it is valid from the next record on. Producer only, while `room`.
+
+        `records`: how many are not written yet and may belong to the set before.
+        """
+        if limits is self._current:
+            return self._number
+        self._current = limits
         put = int(self._counters[0])
         rows = np.full((ROWS, self.sets.shape[2]), np.inf)
         rows[:, : self._n] = (
@@ -65,11 +83,14 @@ class QueueLimits:
             limits.jerk, limits.braking_jerk, limits.velocity_step,
         )  # fmt: skip
         if put > 0:
-            last = (put - 1) % SETS
-            if np.array_equal(self.sets[last], rows):
-                return put - 1
-            self._until[last] = self._queue[0]
-        self.sets[put % SETS] = rows
-        self._until[put % SETS] = np.iinfo(np.int64).max  # in use until it is replaced
-        self._counters[0] = put + 1
-        return put
+            self._until[self._number % SETS] = self._queue[0] + records
+        number = next((k for k in range(put - 1, max(put - AGAIN, 0) - 1, -1) if self._is(k, rows)), put)
+        if number == put:
+            self.sets[put % SETS] = rows
+            self._counters[0] = put + 1
+        self._until[number % SETS] = np.iinfo(np.int64).max  # in use until it is replaced
+        self._number = number
+        return number
+
+    def _is(self, number: int, rows: npt.NDArray[np.float64]) -> bool:
+        return np.array_equal(self.sets[number % SETS], rows)

@@ -9,9 +9,10 @@ from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, Record
 
 
 class QueueRecord(NamedTuple):
-    """Technology fields hold for FUNCTION, reason and seconds for GATE; `feed` in mm/s for elements.
+    """Technology fields hold for FUNCTION and FUNCTION_AHEAD, reason for GATE; `feed` in mm/s for elements. `seconds`
+    is how long a gate dwells, or a function is expected to take.
 
-    `synch` of a WAIT gate is MVS_SVS if only functions of that type are waited for, else NO_SYNCH.
+    `synch` of a WAIT gate are the types that are waited for; `area` and `lead` as in TechnologyFunction.
 
     `text`, -1 for none, is an index into the texts of the queue. `number` and `value` of
 
@@ -38,6 +39,8 @@ class QueueRecord(NamedTuple):
     offset: int
     size: int
     program: int
+    area: int
+    lead: float
 
 
 def read_record(queue: MotionQueue, index: int) -> QueueRecord:
@@ -45,7 +48,7 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
     record = queue.record(index)
     kind = RecordKind(int(record["kind"]))
     n = int(record["n"])
-    function = kind is RecordKind.FUNCTION
+    function = kind is RecordKind.FUNCTION or kind is RecordKind.FUNCTION_AHEAD
     return QueueRecord(
         kind=kind,
         line=int(record["line"]),
@@ -63,4 +66,6 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
         offset=int(record["offset"]),
         size=int(record["size"]),
         program=int(record["program"]),
+        area=int(record["area"]),
+        lead=float(record["lead"]),
     )

@@ -175,8 +175,10 @@ class TechnologyUnit(c.Structure):
     CNC: fills the data, lowers done_w, raises please_rw. PLC: copies, lowers please_rw (taken); raises done_w when the
     action is finished (executed). Kinds without acknowledgement (MOS) end when they are taken: their done_w is left
     alone. `value` is the additional value of M and H; for S `position` and `revolutions` in 0.0001 degrees and 0.001
-    degrees/s; for T `number` is the tool. `sequence_r` counts the functions of the area from 1: the order in which
-    they were put out.
+    degrees/s; for T `number` is the tool. `time` of MOS_TS is the moment within the cycle in which please_rw is raised,
+    µs from its start. `sequence_r` counts the functions of the area from 1, both arrays together: the order in which
+    they were put out. `nr_late_sync_r` counts the late functions of the area that are not done, this one included.
+    `spindle_r` is the logical axis number of a spindle that the PLC itself moves, else 0.
     """
 
     _fields_ = [
@@ -189,6 +191,8 @@ class TechnologyUnit(c.Structure):
         ("position_r", c.c_int32),
         ("revolutions_r", c.c_int32),
         ("sequence_r", c.c_uint32),
+        ("nr_late_sync_r", c.c_uint16),
+        ("spindle_r", c.c_uint16),
         ("fkt_ctrl_r", c.c_uint16),
         ("please_rw", c.c_bool),
         ("done_w", c.c_bool),
@@ -442,6 +446,11 @@ class ChannelStatus(c.Structure):
         ("prepared_blocks_r", c.c_uint32),  # elements in the motion queue
         ("waiting_functions_r", c.c_uint32),  # technology functions not yet acknowledged
         ("error_id_r", c.c_uint32),  # of the error that stopped the channel, 0 none
+        (
+            "techno_path_to_go_r",
+            c.c_uint32,
+        ),  # 0.1 µm to where functions that were put out ahead are waited for (P-CHAN-00212)
+        ("techno_time_to_go_r", c.c_uint32),  # µs, the same; 4294967295: not to be foreseen
     ]
 
 
@@ -459,6 +468,8 @@ class Channel(c.Structure):
         ("lc_reset", LcUnit),  # the PLC forgets the technology functions of this area
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+        ("used_units_late_sync_r", c.c_uint16),
+        ("techno_unit_late_sync", TechnologyUnit * TECHNO_UNITS),  # demanded in a later block: MVS_SLM, MVS_SLP
         ("msg_mc_control", MessageUnit),
         ("tool_management", ToolManagementUnit),
         ("tool_life", ToolLifeUnit),
@@ -527,6 +538,8 @@ class Axis(c.Structure):
         ("lc_reset", LcUnit),
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
+        ("used_units_late_sync_r", c.c_uint16),
+        ("techno_unit_late_sync", TechnologyUnit * TECHNO_UNITS),
     ]
 
 

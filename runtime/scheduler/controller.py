@@ -27,6 +27,7 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.technology import TechnologySettings
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
@@ -90,7 +91,8 @@ class Controller:
             hli,
             hli.channels[0],
             spindles,
-            [TechnologyPort(hli.axes[i]) for i in indices],
+            {i: TechnologyPort(hli.axes[i]) for i in range(len(machine.axes))},
+            TechnologySettings.of(described.parameters),
             events,
             period,
             self._path_axes,

@@ -15,8 +15,10 @@ from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, l
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter, SoftwareLimits, SpatialArcs, smooth
+from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
+from runtime.cnc.path_preparation.weight_tables import path_weights
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
+from runtime.cnc.stages import prepared
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -51,6 +53,7 @@ class Preparation:
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
         self._memory = ChannelMemory(self._setup, tools)
+        self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
         self._axis_limits = AxisLimits.of(axes)
         self._queue = queue
@@ -115,13 +118,18 @@ class Preparation:
         except TandemError as error:
             self._fail(error)
             return
-        smoothed = smooth(SpatialArcs()(source), self._axis_limits)
-        blocks = SoftwareLimits.of(self._machine, self._channel)(smoothed)
+        limits = SoftwareLimits.of(self._machine, self._channel)
+        blocks = prepared(source, self._axis_limits, limits, self._late)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
         self._writer = QueueWriter(
-            self._queue, self._axis_limits, self._period, self._names, self._outside.error_texts.describe
+            self._queue,
+            self._axis_limits,
+            self._period,
+            self._names,
+            self._outside.error_texts.describe,
+            path_weights(self._machine, self._channel),
         )
 
     def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
-from runtime.cnc.blocks import Block, Source, Stop
+from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, Stop
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
@@ -21,12 +22,14 @@ from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
 from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
+from runtime.cnc.decoder.radius_compensation import FORBIDDEN_G, expect_none, forbids
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
 from runtime.cnc.decoder.tool_management import give_back_at_start
 from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
+from runtime.cnc.dynamic_settings import USUAL
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, GSlots, Values
@@ -51,7 +54,9 @@ class WordBlocks:
         self._flow = flow
 
     def begin_program(self) -> None:
-        """The zero offset and the G functions that hold from program start on (V.G.NP_DEFAULT, prog_start.g_gruppe)."""
+        """What holds from program start on: dynamics, zero offset (V.G.NP_DEFAULT), G functions (prog_start.g_gruppe)."""
+        if self._x.dynamics != USUAL:
+            self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
         select_zero_offset(self._x, self._x.memory.zero_default)
         give_back_at_start(self._x)
         for number in self._x.setup.start_g:
@@ -116,6 +121,8 @@ class WordBlocks:
         if block.statement is not None:
             slots = block.statement
             x.levels.entered = False
+            if forbids(slots.statement.syntax.name):
+                expect_none(x, "#" + slots.statement.syntax.name, slots.statement.column)
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
             if x.again is None:
                 if block.beside is not None:
@@ -133,8 +140,8 @@ class WordBlocks:
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
-        x.exact_stop = 0
-        x.feed_taken = x.override_off = x.radius_taken = False
+        x.exact_stop = x.compensation.tangential = 0
+        x.feed_taken = x.override_off = x.brake_in_front = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
         self._alone(block, calls)
@@ -148,6 +155,8 @@ class WordBlocks:
             if before:
                 STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
         for call in calls:
+            if call.number in FORBIDDEN_G:
+                expect_none(x, f"G{call.number}", call.column)
             if not G_FUNCTIONS[call.number].last:
                 G_FUNCTIONS[call.number].handler(x, call)
         if block.radius >= 0 and not x.radius_taken:
@@ -162,11 +171,17 @@ class WordBlocks:
         self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values, calls: list[GCall]
     ) -> None:
         x = self._x
+        x.compensation.follow(x)
         functions = functions_of(block, values, x)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         for before in functions.leading():
             x.emit(before)
+        brakes = x.brake_in_front and x.dynamics.late_braking  # G09 for this block only
+        if brakes:
+            x.emit(DynamicsChange(x.source, replace(x.dynamics, late_braking=False)))
         motion = self._motion(block, values)
+        if brakes:
+            x.emit(DynamicsChange(x.source, x.dynamics))
         x.stop_exactly(motion and block.dwell < 0)
         for behind in functions.trailing():
             x.emit(behind)
@@ -176,6 +191,8 @@ class WordBlocks:
             x.emit(Stop(x.source, kind))
         if motion or x.tools.moved:
             x.block_end()
+        if functions.flush:
+            x.emit(Flush(x.source, FlushKind.WAIT))
         if block.goto is not None:  # a call in the same block is executed before the program goes on there
             self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)
         for _, _, action in actions:

@@ -24,6 +24,7 @@ from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
 from runtime.cnc.decoder.outside import Offline, Outside, WaitForOutside
 from runtime.cnc.decoder.plain import NeedsFull, PlainRuns
 from runtime.cnc.decoder.program import Program
+from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.decoder.sequences import next_pass
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.tool_management import ToolWait
@@ -222,8 +223,19 @@ class Decoder:
 
     def _flushed(self, unit: Unit, block: CompiledBlock) -> Iterator[Block]:
         """The preparation comes into step with the interpolator before a block that reads something of it."""
+        self._expect_no_compensation(unit, block)
         yield from self._handed_over()
         yield Flush(Source(unit.name, block.source.line), FlushKind.WAIT)
+
+    def _expect_no_compensation(self, unit: Unit, block: CompiledBlock) -> None:
+        """No block that reads something of the cycle may stand between compensated ones."""
+        command = "reading a value of the cycle"
+        if block.statement is not None:
+            command = "#" + block.statement.statement.syntax.name
+        try:
+            expect_none(self._x, command, 1)
+        except LineError as error:
+            raise self._error(unit, error.column, block, error.entry, error.values) from None
 
     def _expect_no_line(self, unit: Unit) -> None:
         """The program is over, or flushes: no contour line may be waiting. The place is the block in work."""

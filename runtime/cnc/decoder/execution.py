@@ -20,18 +20,21 @@ from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
 from runtime.cnc.decoder.external import ExternalVariables
+from runtime.cnc.decoder.feed_group import FeedGroup
 from runtime.cnc.decoder.feed_word import FeedChange, enter_feed
 from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
-from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Plane
+from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Motion, Plane
 from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.smoothing import Smoothing
 from runtime.cnc.decoder.steps import Steps
 from runtime.cnc.decoder.tooling import Tooling
 from runtime.cnc.decoder.user_variables import Scope
+from runtime.cnc.dynamic_settings import CornerDeceleration
 from runtime.cnc.language.errors import CalculationError, ProgramError
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values, compile_block
@@ -98,6 +101,10 @@ class Execution:
         self.modal = ModalState()
         if setup.feed > 0:
             self.modal.feed = setup.feed
+        self.dynamics = setup.dynamics
+        self.corner_parameters: CornerDeceleration | None = None  # of #CORNER PARAM
+        self.tangential_radius = 0.0  # mm, of #TANGFEED: arcs below it keep their feed with G11
+        self.feed_group: FeedGroup = setup.feed_group
         self.smoothing = Smoothing(Contouring(check_jerk=setup.poly_jerk))
         self.coordinates = Coordinates.at(start)
         self.parameters = memory.start_parameters(setup)
@@ -125,6 +132,7 @@ class Execution:
         self.feed_taken = False  # F of the block is entered
         self.exact_stop = 0  # column of G60 in the block in work, 0 without
         self.override_off = False  # G166 in the block in work
+        self.brake_in_front = False  # G09 in the block in work
         self.radius_taken = False  # R was the argument of a function
         self.configured_limits = tuple(
             (-math.inf if low is None else low, math.inf if high is None else high)
@@ -136,7 +144,9 @@ class Execution:
         self.line_waits = (
             False  # a contour line waits for the next one; nothing is handed over meanwhile (see additions)
         )
-        self.fast = True  # straight moves need nothing but gain, shift and feed: see modal_changed
+        self.fast = (  # straight moves need nothing but gain, shift and feed: see modal_changed
+            not setup.exact_stop_after_rapid and self.feed_group.plain
+        )
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
         self.block_number = 0  # last N
@@ -145,6 +155,7 @@ class Execution:
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
         self.last_rotation: Rotation | None = None  # what #ROTATION ON goes on from
         self.contour_lines = ContourLines()
+        self.compensation = Compensation()
         self.waiting_line: WaitingLine | None = None  # what `line_waits` tells of
         self.file_names: dict[str, str] = {}  # of #FILE NAME, by function: MSG, M6, D, G80 …
         self.report_backups = Backups()
@@ -167,6 +178,8 @@ class Execution:
         """Hand over a block, behind the moves that were collected before it."""
         if self._run_feeds:
             self.flush_run()
+        if self.compensation.watches:
+            self.compensation.note(self, block)
         self.out.append(block)
 
     def block_end(self) -> None:
@@ -175,10 +188,12 @@ class Execution:
             self.emit(BlockEnd(self.source))
 
     def stop_exactly(self, motion: bool) -> None:
-        """The end of what the block moves: the path stops here with G60 or G360. LineError for G60 without motion."""
+        """The end of what the block moves: the path stops here with G60 or G360, or behind G00 where P-CHAN-00235 says so.
+        LineError for G60 without motion."""
         if self.exact_stop and not motion:
             raise LineError(catalogue.EXACT_STOP_ALONE, self.exact_stop)
-        if motion and (self.exact_stop or self.modal.exact_stop):
+        rapid = self.setup.exact_stop_after_rapid and self.modal.motion is Motion.RAPID
+        if motion and (self.exact_stop or self.modal.exact_stop or rapid):
             self.emit(ExactStop(self.source))
 
     def stepwise(self, run: Polyline) -> Iterable[Block]:
@@ -262,14 +277,17 @@ class Execution:
             raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
 
     def modal_changed(self) -> None:
-        """To be called after changes of feed mode, rotation, exact stop, `line_waits` or `path_start`: whether the fast road
-        may be taken."""
+        """To be called after changes of feed mode, feed group, rotation, exact stop, `line_waits` or `path_start`: whether the
+        fast road may be taken."""
         self.fast = (
-            self.modal.feed_mode is FeedMode.PER_MINUTE
+            not self.setup.exact_stop_after_rapid
+            and self.feed_group.plain
+            and self.modal.feed_mode is FeedMode.PER_MINUTE
             and self.coordinates.plain
             and not self.line_waits
             and self.path_start is None
             and not self.modal.exact_stop
+            and not self.compensation.watches
         )
 
     def take_path_start(self) -> list[float]:

@@ -6,13 +6,12 @@ import math
 
 from runtime.cnc.decoder.circles import Circle
 from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.feed_group import MAIN_AXES, queue_length
 from runtime.cnc.decoder.modal import FeedMode
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
-
-MAIN_AXES = 3
 
 
 def require_feed(x: Execution, block: CompiledBlock) -> None:
@@ -37,11 +36,12 @@ def feed_of(
     feed = modal.feed
     assert feed is not None
     if modal.feed_mode is FeedMode.PER_MINUTE:
-        return feed
+        return feed * group_ratio(x, block, start, end, arc)
     if modal.feed_mode is FeedMode.PER_REVOLUTION:
         if not modal.speed > 0:
             raise LineError(catalogue.FEED_SPINDLE, block.column(WordKind.FEED))
-        return feed * modal.speed
+        ratio = 1.0 if x.feed_group.reference is not None else group_ratio(x, block, start, end, arc)
+        return feed * modal.speed * ratio
     way = [e - s for s, e in zip(start, end, strict=True)]
     length = path_length(way, arc)
     if length <= 0:
@@ -61,11 +61,30 @@ def feed_of(
     return length / max(times) * share * 60.0 if times else feed
 
 
+def group_ratio(
+    x: Execution,
+    block: CompiledBlock,
+    start: list[float],
+    end: list[float],
+    arc: tuple[tuple[int, ...], Circle] | None,
+) -> float:
+    """Speed along the path, as the queue measures it, per speed of the feed axes (#FGROUP)."""
+    group = x.feed_group
+    if group.plain:
+        return 1.0
+    way = [e - s for s, e in zip(start, end, strict=True)]
+    length = path_length(way, arc)
+    if arc is None:
+        driven = group.line_length(way)
+    else:
+        driven = group.arc_length(way, length, block.column(WordKind.AXIS))
+    return length / driven if driven > 0 and length > 0 else 1.0
+
+
 def path_length(way: list[float], arc: tuple[tuple[int, ...], Circle] | None) -> float:
-    """The length that F refers to: along the main axes, or the other axes if no main axis moves."""
-    main, others = way[:MAIN_AXES], way[MAIN_AXES:]
+    """The length that the queue measures: along the main axes, or the other axes if no main axis moves."""
     if arc is not None:
         plane, circle = arc
-        rest = [w for axis, w in enumerate(main) if axis not in plane]
+        rest = [w for axis, w in enumerate(way[:MAIN_AXES]) if axis not in plane]
         return math.hypot(abs(math.radians(circle.angle)) * circle.radius, *rest)
-    return math.hypot(*main) or math.hypot(*others)
+    return queue_length(way)

@@ -8,6 +8,7 @@ from enum import Enum, auto
 from runtime.cnc.blocks import Source
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.user_variables import Scope
+from runtime.cnc.dynamic_settings import DynamicSettings
 from runtime.cnc.language.isg.index import Section, Unit
 from runtime.cnc.language.text import ProgramText
 
@@ -72,6 +73,7 @@ class Frame:
     transfer: dict[int, float | str] | None = None  # @P of a cycle
     given: frozenset[int] = frozenset()  # numbers of the @P that the call gave
     saved: ModalState | None = None  # to be restored at the end of a cycle
+    dynamics: DynamicSettings | None = None  # what held when the cycle was called
     retain: bool = False  # #RETAIN CYCLE CHANGES
     modal: Modal | None = None  # a modal cycle that this level has called
     sequence: Sequence | None = None

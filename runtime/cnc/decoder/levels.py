@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from runtime.cnc.blocks import Block, BlockEnd, Source, Stop, StopKind
+from runtime.cnc.decoder.dynamics import after_cycle, set_dynamics
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.library import Library, wrong_name
@@ -134,6 +135,7 @@ class Levels:
         frame.transfer = dict(transfer)
         frame.given = frozenset(transfer)
         frame.saved = saved
+        frame.dynamics = x.dynamics
         return frame
 
     # ------------------------------------------------------------------ returns
@@ -154,6 +156,8 @@ class Levels:
         x.declaring = False
         if frame.saved is not None and not frame.retain and not x.keep_cycle_changes:
             restore(x, frame.saved)
+            if frame.dynamics is not None:
+                set_dynamics(x, after_cycle(frame.dynamics, x.dynamics))
         return frame
 
     def end_of_section(self) -> None:

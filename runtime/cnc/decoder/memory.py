@@ -62,6 +62,8 @@ class ChannelMemory:
         self.macro_version = 0
         self.m_synch: dict[int, Synch] = dict(setup.m_synch)
         self.h_synch: dict[int, Synch] = dict(setup.h_synch)
+        self.m_ahead: dict[int, int] = dict(setup.m_ahead)  # 0.1 µm or µs
+        self.h_ahead: dict[int, int] = dict(setup.h_ahead)
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
         self.report = ReportCount()
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so

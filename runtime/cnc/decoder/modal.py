@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from runtime.cnc.blocks import Approach, CompensationSettings
+
 INCH = 25.4  # mm
 
 
@@ -61,6 +63,9 @@ class ModalState:
     speed: float = 0.0  # rev/min of the main spindle
     exact_stop: bool = False  # G360, G359
     corner_size: float | None = None  # I of G301 and G302, mm
+    compensation_side: int = 0  # G40 0, G41 1, G42 -1
+    approach: Approach = Approach.INDIRECT
+    compensation: CompensationSettings = field(default_factory=CompensationSettings)
 
     @property
     def feed(self) -> float | None:

@@ -10,7 +10,7 @@ from runtime.cnc.blocks import Arc, Corner, Dwell, Floats, Line
 from runtime.cnc.decoder import circles
 from runtime.cnc.decoder.arcs import radius_transition
 from runtime.cnc.decoder.execution import Execution
-from runtime.cnc.decoder.feed import feed_of, require_feed
+from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
 from runtime.cnc.decoder.feed_change import changing_arc, changing_line
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion, Plane
 from runtime.cnc.language.isg.comments import LineError
@@ -102,8 +102,10 @@ def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corne
     if not rapid:
         require_feed(x, block)
     start = x.take_path_start()
+    ratio = 1.0
     if not rapid:
         feed = feed_of(x, block, start, end, None)
+        ratio = group_ratio(x, block, start, end, None)
     programmed = programmed_at(x, end)
     line = Line(
         x.source,
@@ -114,7 +116,7 @@ def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corne
         np.array(programmed),
         PLANE_AXES[x.modal.plane],
         corner,
-        x.end_feed,
+        None if x.end_feed is None else x.end_feed * ratio,
         x.override_off,
         pcs_gain(x),
     )
@@ -122,7 +124,8 @@ def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corne
         x.emit(line)
         return
     expect_bare(x, block, corner)
-    x.emit(changing_line(line, *x.feed_change))
+    change, before = x.feed_change
+    x.emit(changing_line(line, change, before * ratio))
 
 
 def expect_bare(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
@@ -241,6 +244,7 @@ def emit_arc(
     x.expect_path_start(block.column(WordKind.AXIS if block.axes else WordKind.INTERPOLATION))
     start = x.coordinates.position
     feed = feed_of(x, block, start, end, (plane, circle))
+    ratio = group_ratio(x, block, start, end, (plane, circle))
     arc = Arc(
         x.source,
         np.array(start),
@@ -252,7 +256,7 @@ def emit_arc(
         circle.radius,
         circle.angle,
         corner,
-        x.end_feed,
+        None if x.end_feed is None else x.end_feed * ratio,
         x.override_off,
         pcs_gain(x),
     )
@@ -263,7 +267,8 @@ def emit_arc(
         if x.feed_change is None:
             x.emit(piece)
         else:
-            for part in changing_arc(piece, *x.feed_change):
+            change, before = x.feed_change
+            for part in changing_arc(piece, change, before * ratio):
                 x.emit(part)
 
 

@@ -53,4 +53,5 @@ def restore_modal(x: Execution, saved: ModalState) -> None:
         select_mirror(x, saved.mirror)
     if left.plane is not saved.plane:
         plane_changed(x, 1)
+    x.compensation.follow(x)
     x.modal_changed()

@@ -9,12 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.decoder.feed_group import MAIN_GROUP, FeedGroup
+from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits, WeightedPart
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
 from runtime.cnc.tools.setup import ToolSetup
-from runtime.config.channel.parameters import PathKind
+from runtime.config.channel.dynamics import VectorParameters
+from runtime.config.channel.parameters import ChannelParameters, PathKind
 from runtime.config.channel.synchronisation import (
-    SYNCH_FLAGS,
     SYNCH_TYPES,
     SYNCH_VALUES,
     SynchCountError,
@@ -26,13 +28,12 @@ from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
 from runtime.hli.external import ExternalEntry, directory_of
+from runtime.hli.units import MICROSECOND
 
 ZERO_OFFSETS = range(53, 60)
 CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
 CYCLE_MEMORY = 8000  # bytes for V.CYC without P-CHAN-00418 (line 1313)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
-
-_SUPPORTED = (*SYNCH_TYPES, *SYNCH_FLAGS)
 
 
 class DecoderSetupError(TandemError):
@@ -42,7 +43,7 @@ class DecoderSetupError(TandemError):
 def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
     """A synchronisation type from names joined by "|" or a hexadecimal (or decimal) value.
 
-    Exactly one type is allowed, PLC_INFO beside it. DecoderSetupError names `parameter`.
+    Exactly one type is allowed, flags beside it. DecoderSetupError names `parameter`.
     """
     try:
         names = synch_names(text)
@@ -52,11 +53,9 @@ def parse_synch(text: str, parameter: str = "synchronisation type") -> Synch:
         ) from None
     except SynchCountError:
         names = ()
-    if not names or any(name not in _SUPPORTED for name in names) or ("NOT_VALID" in names and len(names) > 1):
-        supported = ", ".join(_SUPPORTED)
-        raise DecoderSetupError(
-            catalogue.SYNCH_UNSUPPORTED, Place(), parameter=parameter, text=text, supported=supported
-        )
+    if not names or ("NOT_VALID" in names and len(names) > 1):
+        supported = ", ".join(SYNCH_TYPES)
+        raise DecoderSetupError(catalogue.SYNCH_NOT_ONE, Place(), parameter=parameter, text=text, supported=supported)
     if "NOT_VALID" in names:
         return Synch.NOT_VALID
     synch = Synch.NO_SYNCH
@@ -102,6 +101,13 @@ class DecoderSetup:
     zero_offsets: Mapping[int, Floats] = field(default_factory=dict)
     m_synch: Mapping[int, Synch] = field(default_factory=dict)
     h_synch: Mapping[int, Synch] = field(default_factory=dict)
+    m_ahead: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00070, 0.1 µm or µs
+    h_ahead: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00107
+    m_area: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00039: index among the axes of the machine
+    h_area: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00025
+    m_duration: Mapping[int, float] = field(default_factory=dict)  # P-CHAN-00040, s
+    h_duration: Mapping[int, float] = field(default_factory=dict)  # P-CHAN-00026, s
+    tool_duration: float = 0.0  # P-CHAN-00072, s
     tool_synch: Synch = Synch.NO_SYNCH
     tools: ToolSetup = field(default_factory=ToolSetup)
     program_paths: tuple[Path, ...] = ()
@@ -131,11 +137,18 @@ class DecoderSetup:
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
     measuring_type: int = 1  # P-CHAN-00057
+    dynamics: DynamicSettings = USUAL  # at program start
+    vector_limits: VectorLimits = NO_LIMITS  # vector.*: what #VECTOR LIMIT ON takes by itself
+    vector_per_second: bool = False  # P-CHAN-00351: accelerations of #VECTOR LIMIT count per s², not per min²
+    feed_group: FeedGroup = MAIN_GROUP  # P-CHAN-00011, P-CHAN-00096
+    feed_axes_configured: bool = False
+    exact_stop_after_rapid: bool = False  # P-CHAN-00235
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
     poly_jerk: int = 1  # P-CHAN-00110
     contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
+    radius_compensation: bool = True  # P-CHAN-00092
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -174,6 +187,13 @@ class DecoderSetup:
             zero_offsets=offsets,
             m_synch=_table(parameters.m_synch, "m_synch"),
             h_synch=_table(parameters.h_synch, "h_synch"),
+            m_ahead=parameters.m_pre_outp,
+            h_ahead=parameters.h_pre_outp,
+            m_area={n: machine.axis_index(name) for n, name in parameters.m_default_outp_ax_name.items() if name},
+            h_area={n: machine.axis_index(name) for n, name in parameters.h_default_outp_ax_name.items() if name},
+            m_duration={number: time * MICROSECOND for number, time in parameters.m_prozess_zeit.items()},
+            h_duration={number: time * MICROSECOND for number, time in parameters.h_prozess_zeit.items()},
+            tool_duration=parameters.tool.prozess_zeit * MICROSECOND,
             tool_synch=parse_synch(parameters.tool.synch, "tool.synch"),
             tools=ToolSetup.of(parameters, round(machine.tools.answer_timeout / machine.cycle.period)),
             program_paths=tuple(Path(folder) for folder in described.folders(PathKind.SUBROUTINE)),
@@ -196,6 +216,12 @@ class DecoderSetup:
             start_program=parameters.start_init_prog_file,
             final_program=parameters.final_prog_file,
             g_programs=parameters.g_prog_files,
+            dynamics=_dynamics(parameters),
+            vector_limits=_vector_limits(parameters.vector),
+            vector_per_second=parameters.vector.per_second,
+            feed_group=_feed_group(parameters, len(axes)),
+            feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
+            exact_stop_after_rapid=parameters.exact_stop_after_g00,
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
             poly_jerk=parameters.check_jerk_on_poly_path,
             contouring_inch=bool(parameters.contouring_consider_inch),
@@ -213,6 +239,7 @@ class DecoderSetup:
                 )
             ),
             hide_cycles=bool(parameters.suppress_cycle_logging),
+            radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,
         )
 
     @property
@@ -250,6 +277,38 @@ class DecoderSetup:
         """The offset of G53…G59, shape (n,)."""
         offset = self.zero_offsets.get(number)
         return np.zeros(len(self.axes)) if offset is None else offset
+
+
+def _dynamics(parameters: ChannelParameters) -> DynamicSettings:
+    """What holds at program start."""
+    slope = parameters.prog_start.slope
+    profile = slope.profile
+    return DynamicSettings(
+        slope=Slope.TRAPEZ if profile is None else Slope(profile),
+        weighted_acceleration=WeightedPart(slope.acceleration),
+        weighted_ramps=WeightedPart((slope.ramp_time + 1) // 2),
+        path_weights=parameters.dynamic_weighting_active,
+        curve_weights=parameters.curve_dynamic_weighting_active,
+    )
+
+
+def _vector_limits(vector: VectorParameters) -> VectorLimits:
+    return VectorLimits(
+        acceleration=vector.per_square_second("acceleration"),
+        deceleration=vector.per_square_second("deceleration"),
+        radial_acceleration=vector.per_square_second("radial_acceleration"),
+        velocity=vector.velocity / 60.0,
+    )
+
+
+def _feed_group(parameters: ChannelParameters, axes: int) -> FeedGroup:
+    """The axes that F refers to where no #FGROUP stands."""
+    if parameters.feed_to_weakest_axis:
+        return FeedGroup(weakest=True)
+    if not parameters.feed_axes_configured:
+        return FeedGroup()
+    chosen = parameters.feed_axes(axes)
+    return FeedGroup(tuple(1.0 if axis in chosen else 0.0 for axis in range(axes)))
 
 
 def _table(texts: Mapping[int, str], name: str) -> dict[int, Synch]:

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Block, Source, StopKind, Synch, Technology, TechnologyFunction, Wait
+from runtime.cnc.blocks import (
+    AHEAD,
+    AT_BLOCK_END,
+    BY_PATH,
+    Block,
+    Source,
+    StopKind,
+    Synch,
+    Technology,
+    TechnologyFunction,
+    Wait,
+)
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.language.addresses import Addresses
@@ -11,42 +22,46 @@ from runtime.cnc.language.isg.compiler import CompiledBlock, FunctionSlots, Valu
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.parser import INTERNAL_M, SPINDLE_M, TOOL_CHANGE_M, check_function
 from runtime.cnc.language.isg.words import WordKind
+from runtime.config.channel.parameters import INTERNAL
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import technology
+from runtime.hli.units import MICROSECOND
 
 STOPS = {0: StopKind.PROGRAMMED, 1: StopKind.OPTIONAL}
 PROGRAM_END = (2, 30)
 SUBPROGRAM_END = (17, 29)
 VALUE_LIMIT = 2**31 - 1  # additional values are signed 32 bit integers
+_BEHIND = Synch.MNS_SNS | Synch.MNE_SNS | AHEAD  # types that are put out at the end of the motion, or ahead of it
+_WAIT_BEHIND = AT_BLOCK_END ^ Synch.MVS_SVS
 
 
 class Functions:
     """The functions of one block, sorted by their place in the stream."""
 
-    __slots__ = ("_source", "after", "before", "ending", "stops", "tool_change", "wait_after", "wait_before")
+    __slots__ = ("_source", "after", "before", "ending", "flush", "stops", "tool_change", "waits")
 
     def __init__(self, source: Source) -> None:
         self._source = source
         self.tool_change = False  # M6 calls a program
         self.before: list[Block] = []
         self.after: list[Block] = []
-        self.wait_before = False
-        self.wait_after = False
+        self.waits = Synch.NO_SYNCH  # types in this block
+        self.flush = False  # decoding goes on when everything is done
         self.stops: list[StopKind] = []
         self.ending = -1  # number of the M function that ends the program or subprogram
 
     def add(self, function: TechnologyFunction) -> None:
         """Sort a function in by its synchronisation type."""
-        kind = function.synch & ~Synch.PLC_INFO
-        if kind == Synch.MNS_SNS:
-            self.after.append(function)
-        else:
-            self.before.append(function)
-        self.wait_before |= kind == Synch.MVS_SVS
-        self.wait_after |= kind in (Synch.MVS_SNS, Synch.MNS_SNS)
+        kind = function.synch.kind
+        (self.after if kind & _BEHIND else self.before).append(function)
+        self.waits |= kind
+        self.flush |= bool(function.synch & Synch.FAW_SYNCH)
 
     def leading(self) -> list[Block]:
         """What stands in front of the motion."""
-        return [*self.before, Wait(self._source, before=True)] if self.wait_before else self.before
+        if not self.waits & Synch.MVS_SVS:
+            return self.before
+        return [*self.before, Wait(self._source, Synch.MVS_SVS)]
 
     def held_back(self) -> list[Block]:
         """The M function that ends the program, taken out of the block: it is put out when everything else is done."""
@@ -60,7 +75,7 @@ class Functions:
 
     def trailing(self) -> list[Block]:
         """What stands behind the motion."""
-        return [*self.after, Wait(self._source)] if self.wait_after else self.after
+        return [*self.after, Wait(self._source)] if self.waits & _WAIT_BEHIND else self.after
 
 
 def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Functions:
@@ -82,7 +97,10 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
         if not 0 <= tool <= VALUE_LIMIT:
             raise LineError(catalogue.FUNCTION_NEGATIVE, block.column(WordKind.TOOL), value=tool, address="T")
         if setup.tool_synch != Synch.NO_SYNCH:
-            functions.add(TechnologyFunction(source, Technology.T, round_half_up(tool), 0.0, setup.tool_synch))
+            number = round_half_up(tool)
+            functions.add(
+                TechnologyFunction(source, Technology.T, number, 0.0, setup.tool_synch, duration=setup.tool_duration)
+            )
     numbers = [_number(slots, values, addresses) for slots in block.m]
     for slots, number in zip(block.m, numbers, strict=True):
         if number in SPINDLE_M:
@@ -106,15 +124,39 @@ def functions_of(block: CompiledBlock, values: Values, x: Execution) -> Function
             continue
         if number not in x.memory.m_synch and number not in INTERNAL_M:
             raise LineError(catalogue.M_UNDEFINED, slots.word.column, number=number)
-        synch = x.memory.m_synch.get(number, Synch.NO_SYNCH)
-        if synch != Synch.NO_SYNCH:
-            functions.add(TechnologyFunction(source, Technology.M, number, _extra(slots, values), synch))
+        put_out(x, functions, Technology.M, number, _extra(slots, values), slots.word.column)
     for slots in block.h:
         number = _number(slots, values, addresses)
-        if x.memory.h_synch[number] != Synch.NO_SYNCH:
-            value = _extra(slots, values)
-            functions.add(TechnologyFunction(source, Technology.H, number, value, x.memory.h_synch[number]))
+        put_out(x, functions, Technology.H, number, _extra(slots, values), slots.word.column)
     return functions
+
+
+def put_out(
+    x: Execution,
+    functions: Functions,
+    kind: Technology,
+    number: int,
+    value: float,
+    column: int,
+    area: int | None = None,
+) -> None:
+    """An M or H function that the channel has; `area`: on whose interface, None where the configuration says.
+
+    Raises LineError.
+    """
+    memory, setup = x.memory, x.setup
+    m = kind is Technology.M
+    synch = (memory.m_synch if m else memory.h_synch).get(number, Synch.NO_SYNCH)
+    if synch.kind == Synch.NO_SYNCH:
+        return
+    ahead = (memory.m_ahead if m else memory.h_ahead).get(number, 0)
+    if ahead and not synch & AHEAD:
+        raise LineError(technology.MICRO_JOINT, column, letter=kind.name, number=number, synch=synch.kind.name)
+    if area is None:
+        area = (setup.m_area if m else setup.h_area).get(number, -1)
+    lead = ahead * (INTERNAL if synch & BY_PATH else MICROSECOND)
+    duration = (setup.m_duration if m else setup.h_duration).get(number, 0.0)
+    functions.add(TechnologyFunction(x.source, kind, number, value, synch, area=area, lead=lead, duration=duration))
 
 
 def _spindle(functions: Functions, synch: Synch, number: int, modal: ModalState, source: Source, column: int) -> None:
@@ -123,7 +165,7 @@ def _spindle(functions: Functions, synch: Synch, number: int, modal: ModalState,
     With NO_SYNCH the kernel of the manual does not execute it (programming manual, chapter 15.2.1.1). A spindle that
     goes on turning after an M5 is no way to run a machine, so here that is an error.
     """
-    if synch & ~Synch.PLC_INFO == Synch.NO_SYNCH:
+    if synch.kind == Synch.NO_SYNCH:
         raise LineError(catalogue.SPINDLE_NO_SYNCH, column, word=f"M{number}" if number else "S")
     if synch == Synch.NOT_VALID:
         raise LineError(catalogue.SPINDLE_LOCKED, column, word=f"M{number}" if number else "S")

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import cycle as c
+from runtime.cnc.interpolator import prediction
 from runtime.cnc.motion_queue import MAX_AXES, MotionQueue
 
 Floats = npt.NDArray[np.float64]
@@ -48,6 +49,8 @@ class Interpolator:
         self._i = np.zeros(c.INT_STATE, dtype=np.int64)
         self._passed = np.zeros(c.PASSED, dtype=np.int64)
         self._real, self._whole, self._plans = c.scratch()
+        self._prediction = prediction.scratch()
+        self._driven = (1.0, False)  # override and single block of the last step
         self.restart(position)
 
     def restart(self, position: Floats) -> None:
@@ -69,6 +72,7 @@ class Interpolator:
 
     def step(self, *, override: float, feed_hold: bool, single_block: bool) -> None:
         """One cycle. `override` 1.0 is 100 %, taken within 0…200 %."""
+        self._driven = (min(max(float(override), 0.0), GREATEST_OVERRIDE), bool(single_block))
         c.cycle(
             self.queue.records,
             self.queue.polynomials,
@@ -115,6 +119,26 @@ class Interpolator:
         """Share of the present element that lies behind, 0…1."""
         length = float(self._f[c.LENGTH])
         return min(float(self._f[c.S_IN]) / length, 1.0) if length > 0.0 else 1.0
+
+    def time_until(self, way: float, before: int = -1, at_most: float = np.inf) -> float:
+        """Seconds until the path is `way` mm further, with the override as it is; infinite if that cannot be foreseen.
+
+        It cannot if a closed gate stands in front of record `before`, or in front of the place. Below 0 it is when the
+        path was there, as far back as the beginning of the plan that is driven, at least this cycle. More than `at_most`
+        may be told as infinite.
+        """
+        f, i = self._f, self._i
+        plan, rows = self._plans[c.KEPT], int(i[c.ROWS_KEPT])
+        if way <= 0.0:
+            return float(prediction.time_on_plan(plan, rows, f[c.PLAN_TIME], way)) if way < 0.0 else 0.0
+        override, single_block = self._driven
+        return float(
+            prediction.time_until(
+                self.queue.records, self.queue.written, i[c.CUR], f[c.S_IN], f[c.V], way, before, at_most, override,
+                i[c.OPENED], single_block, i[c.BLOCKS_RELEASED], plan, rows, f[c.PLAN_TIME], f[c.PLANNED],
+                self._prediction,
+            )
+        )  # fmt: skip
 
     # ------------------------------------------------------------------ the record being executed
 

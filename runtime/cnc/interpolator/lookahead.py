@@ -161,6 +161,8 @@ def collect(
                         kind[count], d[count], x[count], zone[count] = SLOWER, way, fastest, here
                         A[count], J[count], B[count] = A_least, J_least, J_then
                         count += 1
+                if r["brake_late"] == 1:  # its feed is reached behind the border: it counts once the path is on it
+                    wanted = max(wanted, least_wanted)
                 if not hold and (wanted < least_wanted or less):
                     least_wanted = min(least_wanted, wanted)
                     if least_wanted < peak and least_wanted < fastest:

@@ -1,9 +1,21 @@
 """Path preparation: what happens to blocks between the decoder and the motion queue."""
 
+from runtime.cnc.path_preparation.corner_deceleration import CornerDecelerations
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
+from runtime.cnc.path_preparation.late_synchronisation import LateSynchronisation
 from runtime.cnc.path_preparation.queue_writer import PumpState, QueueWriter
 from runtime.cnc.path_preparation.smoothing import smooth
 from runtime.cnc.path_preparation.software_limits import SoftwareLimits
 from runtime.cnc.path_preparation.spatial_arcs import SpatialArcs
 
-__all__ = ["PathError", "PumpState", "QueueWriter", "SoftwareLimitError", "SoftwareLimits", "SpatialArcs", "smooth"]
+__all__ = [
+    "CornerDecelerations",
+    "LateSynchronisation",
+    "PathError",
+    "PumpState",
+    "QueueWriter",
+    "SoftwareLimitError",
+    "SoftwareLimits",
+    "SpatialArcs",
+    "smooth",
+]

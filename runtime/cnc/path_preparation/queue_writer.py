@@ -17,11 +17,13 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.blocks import (
+    AHEAD,
     Arc,
     AxisLimitChange,
     Block,
     BlockEnd,
     Dwell,
+    DynamicsChange,
     ExactStop,
     ExternalWrite,
     Flush,
@@ -35,7 +37,6 @@ from runtime.cnc.blocks import (
     Source,
     Stop,
     StopKind,
-    Synch,
     TechnologyFunction,
     TimerAction,
     TimerCommand,
@@ -44,15 +45,19 @@ from runtime.cnc.blocks import (
     Wait,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.geometry.polynomials import MAP
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
-from runtime.cnc.path_preparation.dynamics import Border, Dynamics, arc_dynamics, line_dynamics
+from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
+from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
-from runtime.cnc.path_preparation.polynomial_dynamics import fit, polynomial_dynamics
+from runtime.cnc.path_preparation.polynomial_dynamics import fit
+from runtime.cnc.path_preparation.weight_tables import PathWeights
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP, POLYNOMIAL_GEOMETRY
 from runtime.diagnostics.errors import Place
 from runtime.hli.external import KINDS
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 MAIN_AXES = 3
 NO_LENGTH = 1e-9  # mm: below it a move has no length
@@ -120,14 +125,15 @@ class QueueWriter:
         period: float,
         names: tuple[str, ...] = (),
         error_text: Callable[[UserError], str] = described,
+        weights: PathWeights | None = None,
     ) -> None:
         self.queue = queue
         self._error_text = error_text
-        self._limits = limits  # of the elements from here on; None of them is in the queue before it has its set
-        self._set: int | None = None
-        self._period = period
+        self._axes = limits.n
+        self._limits = DynamicLimits(limits, period, weights)
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
+        self._rapid_before = self._late_before = False  # of the element before
         self._end_feed = math.inf  # mm/s: E of the last motion, the greatest speed over its end
         self._place: Floats | None = None  # end of the last element in the queue
         self._block_end: Floats | None = None  # end of the last block, moves without length included
@@ -180,14 +186,10 @@ class QueueWriter:
     def _take(self, block: Block) -> bool:
         """Make the records of a block; FALSE if there is no room for its text or its limits."""
         no_room = self.queue.texts.free == 0 and _with_text(block)
-        no_room = no_room or (not self.queue.limits.room and (self._set is None or isinstance(block, AxisLimitChange)))
+        no_room = no_room or not self.queue.limits.room_for(self._limits.kinds)
         self._postponed = block if no_room else None
         if self._postponed is not None:
             return False
-        if isinstance(block, AxisLimitChange):
-            self._limits, self._set = block.limits, None
-        if self._set is None:
-            self._set = self.queue.limits.put(self._limits)
         self._tables = None
         self._pending, self._done = self._records(block), 0
         self._mark(self._pending, block)
@@ -214,7 +216,11 @@ class QueueWriter:
     def _records(self, block: Block) -> Records:
         if isinstance(block, Polyline):
             return self._polyline(block)
+        if isinstance(block, DynamicsChange):
+            self._limits.change(block.settings)
+            return np.zeros(0, dtype=RECORD)
         if isinstance(block, AxisLimitChange):
+            self._limits.change_axes(block.limits)
             return np.zeros(0, dtype=RECORD)
         if isinstance(block, Polynomials):
             return self._polynomials(block)
@@ -227,18 +233,20 @@ class QueueWriter:
         match block:
             case Line():
                 feed = math.inf if block.rapid else block.feed
+                ends = np.vstack([block.start, block.end])
                 return self._lines(
-                    record, np.vstack([block.start, block.end]), np.array([feed]), source.program, keep_empty=False
+                    record, ends, np.array([feed]), source.program, keep_empty=False, overridden=not block.override_off
                 )
             case Arc():
                 return self._arc(record, block)
             case TechnologyFunction():
-                record["kind"] = RecordKind.FUNCTION
+                record["kind"] = RecordKind.FUNCTION_AHEAD if block.synch & AHEAD else RecordKind.FUNCTION
                 record["function"], record["number"] = int(block.kind), block.number
                 record["synch"], record["spindle"], record["value"] = int(block.synch), block.spindle, block.value
+                record["area"], record["lead"], record["seconds"] = block.area, block.lead, block.duration
             case Wait():
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.WAIT
-                record["synch"] = int(Synch.MVS_SVS) if block.before else 0
+                record["synch"] = int(block.kinds)
             case Dwell():
                 record["kind"], record["reason"], record["seconds"] = RecordKind.GATE, GateReason.DWELL, block.seconds
             case ExactStop():
@@ -303,8 +311,17 @@ class QueueWriter:
         records["block_end"] = 0 if block.one_block else 1
         return self._lines(records, block.points, block.feeds, block.program, keep_empty=True)
 
-    def _lines(self, records: Records, points: Floats, feeds: Floats, program: str, *, keep_empty: bool) -> Records:
-        """Complete k records to lines between `points` (k + 1, n); `feeds` (k,) per min."""
+    def _lines(
+        self,
+        records: Records,
+        points: Floats,
+        feeds: Floats,
+        program: str,
+        *,
+        keep_empty: bool,
+        overridden: bool = True,
+    ) -> Records:
+        """Complete k records to lines between `points` (k + 1, n); `feeds` (k,) per min, `overridden` by the program."""
         first_line = int(records["line"][0]) if len(records) else 0
         start = self._join(points, program, first_line)
         lengths, _ = path_length(np.diff(points, axis=0))
@@ -325,11 +342,19 @@ class QueueWriter:
         length, main = path_length(way)
         direction = way / length[:, None]
         feed = feeds[there] / 60.0
-        dynamics, after = line_dynamics(self._limits, self._period, direction, length, main, feed, self._before)
         rapid = np.isinf(feed)
-        self._complete(records, there, starts, ends, length, np.where(rapid, np.inf, feed), rapid, dynamics)
-        self._before, self._place = after, ends[-1]
+        feed, share = self._overridden(feed, rapid, way != 0.0, overridden)
+        limited = self._limits.lines(direction, length, main, feed, rapid, self._before)
+        self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
+        self._before, self._place = limited.after, ends[-1]
         return records
+
+    def _overridden(self, feed: Floats, rapid: Flags, moving: Flags, wanted: bool) -> tuple[Floats, Floats]:
+        """Feeds (k,) with the override that is programmed, and the share of rapid traverse that it leaves, (k,)."""
+        if not wanted or self._limits.overrides_nothing():
+            return feed, np.ones(len(feed))
+        share = np.where(rapid, self._limits.override(True, moving), self._limits.override(False, moving))
+        return feed * share, np.where(rapid, np.minimum(share, 1.0), 1.0)
 
     def _complete(
         self,
@@ -340,20 +365,48 @@ class QueueWriter:
         length: Floats,
         feed: Floats,
         rapid: npt.NDArray[np.bool_],
-        dynamics: Dynamics,
+        limited: Limited,
+        share: Floats,
     ) -> None:
-        n = self._limits.n
+        n, dynamics = self._axes, limited.dynamics
         records["start"][there, :n] = starts
         records["end"][there, :n] = ends
         records["length"][there] = length
         records["feed"][there] = feed
         records["rapid"][there] = rapid
-        records["v_limit"][there] = dynamics.v_limit
+        records["v_limit"][there] = dynamics.v_limit * share
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit
         records["v_entry"][there] = dynamics.v_entry
         records["v_corner"][there] = dynamics.v_corner
-        records["limits"][there] = self._set
+        self._mark_limits(records, there, limited, share)
+        late = self._brakes_late(feed, rapid)
+        if late.any():
+            records["brake_late"][there] = late
+
+    def _mark_limits(self, records: Records, there: Flags, limited: Limited, share: Floats) -> None:
+        """The sets of limits of the axes, and the limits of the program along the path."""
+        kinds = limited.kinds
+        counts = [kind.count for kind in kinds]
+        numbers = [self.queue.limits.put(kind.axes, len(records)) for kind in kinds]
+        records["limits"][there] = np.repeat(numbers, counts)
+        if all(kind.path is ANY for kind in kinds) and not (share < 1.0).any() and not self._limits.unwatched:
+            return
+        names = ("velocity", "acceleration", "deceleration", "jerk")
+        along = {name: np.concatenate([kind.each(name) for kind in kinds]) for name in names}
+        along["velocity"] = np.where(share < 1.0, records["v_limit"][there], along["velocity"])
+        for name, limit in along.items():
+            records[f"path_{name[0]}"][there] = np.where(np.isfinite(limit), limit, 0.0)
+        records["unwatched"][there] = self._limits.unwatched
+
+    def _brakes_late(self, feed: Floats, rapid: Flags) -> Flags:
+        """Which of k elements may be entered faster than their feed (G901): behind a rapid move none, line 3869."""
+        before = np.concatenate([[self._rapid_before], rapid[:-1]])
+        late = np.full(len(feed), self._limits.settings.late_braking)
+        late[0] = self._late_before
+        self._rapid_before, self._late_before = bool(rapid[-1]), self._limits.settings.late_braking
+        flags: Flags = late & ~before
+        return flags
 
     def _arc(self, record: Records, arc: Arc) -> Records:
         program, line = arc.source.program, arc.source.line
@@ -369,13 +422,17 @@ class QueueWriter:
             raise PathError(ARC_GEOMETRY, Place(program, line), radius=arc.radius, angle=arc.angle)
         if radius * abs(angle) <= NO_LENGTH:
             ends = np.vstack([arc.start, arc.end])
-            return self._lines(record, ends, np.array([arc.feed]), program, keep_empty=False)
+            return self._lines(
+                record, ends, np.array([arc.feed]), program, keep_empty=False, overridden=not arc.override_off
+            )
         if not arc.feed > 0.0:
             raise PathError(NO_FEED, Place(program, line), feed=arc.feed)
-        dynamics, after = arc_dynamics(
-            self._limits, self._period, arc.plane, math.atan2(y, x), angle, radius, linear, length, arc.feed / 60.0,
-            self._before,
-        )  # fmt: skip
+        moving = linear != 0.0
+        moving[first] = moving[second] = True
+        rapid = np.array([math.isinf(arc.feed)])
+        feed, share = self._overridden(np.array([arc.feed / 60.0]), rapid, moving[None, :], not arc.override_off)
+        geometry = ArcGeometry(arc.plane, math.atan2(y, x), angle, radius, linear, length)
+        limited = self._limits.arc(geometry, float(feed[0]), self._before)
         record["kind"] = RecordKind.ARC
         record["axis0"], record["axis1"] = first, second
         record["centre0"], record["centre1"], record["angle"] = arc.centre[0], arc.centre[1], angle
@@ -385,11 +442,12 @@ class QueueWriter:
             start[None, :],
             arc.end[None, :],
             np.array([length]),
-            np.array([arc.feed / 60.0]),
-            np.array([math.isinf(arc.feed)]),
-            dynamics,
+            feed,
+            rapid,
+            limited,
+            share,
         )
-        self._before, self._place = after, arc.end
+        self._before, self._place = limited.after, arc.end
         return record
 
     def _polynomials(self, block: Polynomials) -> Records:
@@ -418,21 +476,17 @@ class QueueWriter:
             if slow.any():
                 at = int(parent[there][np.argmax(slow)])
                 raise PathError(NO_FEED, Place(program, int(block.lines[at])), feed=float(block.feeds[at]))
-            dynamics, after = polynomial_dynamics(
-                self._limits,
-                self._period,
-                fitted.tables[there],
-                fitted.length[there],
-                fitted.main[there],
-                feed,
-                self._before,
-                check_jerk=block.check_jerk,
-                constant_velocity=block.constant_velocity,
-            )
             ends = fitted.ends[there]
             starts = np.vstack([start, ends[:-1]])
-            self._complete(records, there, starts, ends, fitted.length[there], feed, np.isinf(feed), dynamics)
-            self._before, self._place = after, ends[-1]
+            rapid, length = np.isinf(feed), fitted.length[there]
+            moving = (fitted.tables[there][:, 1:MAP, : self._axes] != 0.0).any(axis=1)
+            feed, share = self._overridden(feed, rapid, moving, True)
+            limited = self._limits.polynomials(
+                fitted.tables[there], length, fitted.main[there], feed, rapid, self._before,
+                check_jerk=block.check_jerk, constant_velocity=block.constant_velocity,
+            )  # fmt: skip
+            self._complete(records, there, starts, ends, length, feed, rapid, limited, share)
+            self._before, self._place = limited.after, ends[-1]
         self._tables = fitted.tables[kept]
         return records[kept]
 

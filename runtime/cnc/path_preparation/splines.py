@@ -337,8 +337,8 @@ def _alike(first: Origin, second: Origin) -> bool:
     """Whether elements of both can share a run."""
     if first is second:
         return True
-    gains = first.pcs_gain, second.pcs_gain
-    same = gains[0] is gains[1] or (gains[0] is not None and gains[1] is not None and np.array_equal(*gains))
+    one, two = first.pcs_gain, second.pcs_gain
+    same = one is two or (one is not None and two is not None and np.array_equal(one, two))
     return bool(same and first.program == second.program and np.array_equal(first.pcs_shift, second.pcs_shift))
 
 

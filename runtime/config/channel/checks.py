@@ -37,6 +37,7 @@ def check(values: dict[Key, Value]) -> tuple[tuple[Contradiction, ...], tuple[Co
         *_start_functions(values),
         *_macros(values),
         *_paths(values),
+        *_weights(values),
     )
     return mistakes, tuple(_feed_unit(values))
 
@@ -154,6 +155,25 @@ def _paths(values: _Values) -> Iterator[Contradiction]:
                     yield Contradiction(errors.PATH_PRIORITY_TWICE, _given(values, ("path", index), "priority"), about)
                     break
                 priorities[kind, priority] = index
+
+
+def _weights(values: _Values) -> Iterator[Contradiction]:
+    """Rows of the weights by length and radius: complete, without gaps, with growing limits."""
+    for group, limit in (("dynamic_weighting", "path_limit"), ("curve_dynamic_weighting", "radius_limit")):
+        below: Value = 0
+        for expected, (index, row) in enumerate(sorted(_members(values, group).items())):
+            if index != expected:
+                about = {"group": group, "index": index, "missing": expected}
+                yield Contradiction(errors.INDEX_GAP, (group, index), about)
+                return
+            for name in (limit, "velocity_fact", "acceleration_fact", "ramp_time_fact"):
+                if not row.get(name):
+                    yield Contradiction(errors.KEY_MISSING, (group, index), {"key": name, "owner": f"{group}[{index}]"})
+            reached = row.get(limit, 0)
+            if reached and float(reached) <= float(below):
+                about = {"key": f"{group}[{index}].{limit}", "given": reached, "bound": f"it must be more than {below}"}
+                yield Contradiction(errors.OUT_OF_RANGE, (group, index, limit), about)
+            below = reached or below
 
 
 def _given(values: _Values, group: Key, member: str) -> Key:

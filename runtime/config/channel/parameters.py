@@ -7,6 +7,7 @@ from enum import IntFlag
 
 from pydantic import Field, PrivateAttr
 
+from runtime.config.channel.dynamics import PathWeight, RadiusWeight, SlopeAtStart, VectorParameters
 from runtime.config.channel.key import Key
 from runtime.config.contradictions import Contradiction, Location
 from runtime.config.model import Model, Several
@@ -34,12 +35,18 @@ class ChannelSpindle(Model):
     m4_synch: str = "NO_SYNCH"  # P-CHAN-00047
     m5_synch: str = "NO_SYNCH"  # P-CHAN-00049
     m19_synch: str = "NO_SYNCH"  # P-CHAN-00043
+    s_prozess_zeit: int = 0  # P-CHAN-00080, µs
+    m3_prozess_zeit: int = 0  # P-CHAN-00044
+    m4_prozess_zeit: int = 0  # P-CHAN-00046
+    m5_prozess_zeit: int = 0  # P-CHAN-00048
+    m19_prozess_zeit: int = 0  # P-CHAN-00042
 
 
 class ChannelTool(Model):
     """`tool.*`."""
 
     synch: str = "NO_SYNCH"  # P-CHAN-00086
+    prozess_zeit: int = 0  # P-CHAN-00072, µs
     minimum_length: int = 0  # P-CHAN-00156, 0.1 µm; 0: not checked
     minimum_radius: int = 0  # P-CHAN-00157, 0.1 µm; 0: not checked
 
@@ -62,6 +69,8 @@ class ProgramStart(Model):
     feedrate: float = 0.0  # P-CHAN-00099, feed before the first F word; 0: the program has to give one
     feedrate_factor: float = 100.0  # P-CHAN-00108, unit of F: 100 is mm/min, 0.1 is m/min
     g_gruppe: dict[int, StartFunction] = Field(default_factory=dict)
+    late_sync_ready: bool = False  # P-CHAN-00033, the end of a program waits for late functions
+    slope: SlopeAtStart = SlopeAtStart()
 
     @property
     def g_functions(self) -> dict[int, int]:
@@ -148,6 +157,16 @@ class ChannelParameters(Model):
     # technology functions
     m_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00041
     h_synch: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00027
+    m_pre_outp: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00070, 0.1 µm, or µs for the MET types
+    h_pre_outp: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00107
+    m_default_outp_ax_name: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00039, name of an axis
+    h_default_outp_ax_name: dict[int, str] = Field(default_factory=dict)  # P-CHAN-00025
+    m_prozess_zeit: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00040, µs
+    h_prozess_zeit: dict[int, int] = Field(default_factory=dict)  # P-CHAN-00026, µs
+    m_h_pre_outp_time_calc_mode: bool = False  # P-CHAN-00209, both values take the slope of the axes into account
+    m_h_pre_outp_calc_value_to_go: bool = False  # P-CHAN-00212
+    m_h_pre_outp_nbr_block: int = 50  # P-CHAN-00274
+    pre_output_tolerance: int = 0  # P-CHAN-00760, 0.1 µm; 0: not checked
     tool: ChannelTool = ChannelTool()
     # tools
     flush: ChannelFlush = ChannelFlush()
@@ -182,6 +201,15 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    # dynamics
+    vector: VectorParameters = VectorParameters()
+    dynamic_weighting_active: int = 0  # P-CHAN-00190, straight moves: 1 G00, 2 G01, 3 both
+    dynamic_weighting: dict[int, PathWeight] = Field(default_factory=dict)
+    curve_dynamic_weighting_active: bool = False  # P-CHAN-00230
+    curve_dynamic_weighting: dict[int, RadiusWeight] = Field(default_factory=dict)
+    exact_stop_after_g00: bool = False  # P-CHAN-00235
+    # tool radius compensation
+    wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # smoothing
     check_jerk_on_poly_path: int = Field(default=1, ge=0, le=3)  # P-CHAN-00110
     contouring_consider_inch: bool = False  # P-CHAN-00439, lengths of smoothing in inch under G70
@@ -259,6 +287,11 @@ class ChannelParameters(Model):
     def radius_difference_share(self) -> float:
         """The same as a share of the radius; 0: no such limit."""
         return self.max_proz_radius_diff_circle / 1000.0
+
+    @property
+    def feed_axes_configured(self) -> bool:
+        """Feed axes are chosen."""
+        return any(axis.default_feed_axis for axis in self.gruppe.get(0, AxisGroup()).achse.values())
 
     def feed_axes(self, axes: int) -> tuple[int, ...]:
         """Indices of the default feed axes in a channel with so many axes: those chosen, else the main axes."""

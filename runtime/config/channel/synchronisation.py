@@ -22,9 +22,8 @@ SYNCH_VALUES = {  # every type and flag of the manual
     "MET_SVS": 0x2000000,
     "FAW_SYNCH": 0x10000000,
 }
-SYNCH_TYPES = ("NOT_VALID", "NO_SYNCH", "MOS", "MVS_SVS", "MVS_SNS", "MNS_SNS")  # those that are supported
-SYNCH_FLAGS = ("PLC_INFO",)  # may be added to a type with "|"
-_ALL_FLAGS = ("PLC_INFO", "BWD_SYNCH", "FWD_SYNCH", "FAW_SYNCH")
+SYNCH_FLAGS = ("PLC_INFO", "BWD_SYNCH", "FWD_SYNCH", "FAW_SYNCH")  # may be added to a type with "|"
+SYNCH_TYPES = tuple(name for name in SYNCH_VALUES if name not in SYNCH_FLAGS)
 _NOT_VALID_VALUES = (-1, 0x80000000, 0xFFFFFFFF)
 
 
@@ -49,10 +48,10 @@ def synch_names(value: str | int) -> tuple[str, ...]:
     parts = [part.strip() for part in str(value).split("|")]
     for part in parts:
         names += [name for name in _names_of(part) if name not in names]
-    if all(name in _ALL_FLAGS for name in names) and not any(part.upper() in _ALL_FLAGS for part in parts):
+    if all(name in SYNCH_FLAGS for name in names) and not any(part.upper() in SYNCH_FLAGS for part in parts):
         names.append("NO_SYNCH")  # a number in which no type has its bit
-    types = [name for name in names if name not in _ALL_FLAGS]
-    flags = [name for name in names if name in _ALL_FLAGS]
+    types = [name for name in names if name not in SYNCH_FLAGS]
+    flags = [name for name in names if name in SYNCH_FLAGS]
     if len(types) != 1:
         raise SynchCountError(
             f"exactly one of {', '.join(SYNCH_TYPES)} is expected, with {', '.join(SYNCH_FLAGS)} added or not"

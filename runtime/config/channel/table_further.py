@@ -19,7 +19,7 @@ ROWS = (
       "Program nesting levels whose file name/offset is displayed", use=Use.HARMLESS),
     P(182, "plcopen_std_unit", "BOOLEAN", "", False, 8096, "1 = PLCopen values in program units instead of internal units"),
     P(235, "exact_stop_after_g00", "BOOLEAN", "", False, 7007,
-      "1 = every G00 ends with exact stop, smoothing suppressed there"),
+      "1 = every G00 ends with exact stop, smoothing suppressed there", use=Use.USED),
     P(244, "lift_min_dist", "UNS32", "", 0, 7032, "Main path shorter than this performs no lift", unit="0.1µm"),
     P(249, "tube_profile.techno_nr_rnd_on", "SGN16", "-1..999", -1, 7197,
       "M/H number output when entering a section rounding"),

@@ -9,9 +9,6 @@ from difflib import get_close_matches
 
 from runtime.config.channel.parameter import ChannelParameter, Value
 from runtime.config.channel.synchronisation import (
-    SYNCH_FLAGS,
-    SYNCH_TYPES,
-    SYNCH_VALUES,
     SynchCountError,
     SynchNameError,
     synch_names,
@@ -140,10 +137,6 @@ def _synchronisation(parameter: ChannelParameter, given: object) -> str:
     for name in names:
         if name not in words:
             raise _unknown_word(name, words)
-    unsupported = [name for name in names if name not in SYNCH_TYPES + SYNCH_FLAGS]
-    if unsupported:
-        possible = ", ".join(name for name in SYNCH_VALUES if name in SYNCH_TYPES + SYNCH_FLAGS)
-        raise ValueMistakeError(errors.SYNCHRONISATION_UNSUPPORTED, type=unsupported[0], possible=possible)
     return " | ".join(names)
 
 

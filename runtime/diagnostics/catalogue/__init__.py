@@ -1,17 +1,40 @@
 """The error catalogue: every error a user can meet, one module per area, found by id.
 
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
-fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx.
+fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
+radius compensation 309xxx.
 """
 
 from __future__ import annotations
 
 from types import ModuleType
 
-from runtime.diagnostics.catalogue import configuration, fieldbus, language, machine, motion, plc, system, tools
+from runtime.diagnostics.catalogue import (
+    configuration,
+    fieldbus,
+    language,
+    machine,
+    motion,
+    plc,
+    radius,
+    system,
+    technology,
+    tools,
+)
 from runtime.diagnostics.errors import ErrorEntry
 
-_AREAS: tuple[ModuleType, ...] = (language, motion, configuration, fieldbus, plc, system, machine, tools)
+_AREAS: tuple[ModuleType, ...] = (
+    language,
+    motion,
+    configuration,
+    fieldbus,
+    plc,
+    system,
+    machine,
+    technology,
+    tools,
+    radius,
+)
 
 
 def _collect() -> dict[int, ErrorEntry]:

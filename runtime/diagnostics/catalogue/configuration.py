@@ -159,12 +159,6 @@ LIST_BAR_MISSING = ErrorEntry(
     "{value!r} is followed by {word!r} without a | between them",
     remedy="Join them with |, or begin the remark with #.",
 )
-SYNCHRONISATION_UNSUPPORTED = ErrorEntry(
-    302032,
-    "{key}: the synchronisation type {type} is not supported yet",
-    remedy="Possible: {possible}.",
-    source="P-CHAN-00041",
-)
 INDEX_GAP = ErrorEntry(
     302033,
     "{group}[{index}] is given, {group}[{missing}] is not",

@@ -162,8 +162,10 @@ SPEED_NEGATIVE = ErrorEntry(300076, "spindle speed {value:.9g} is negative", rea
 SYNCH_UNKNOWN = ErrorEntry(
     300077, "{parameter}: {text!r} is not a synchronisation type", remedy="known are {known}, or a hexadecimal value"
 )
-SYNCH_UNSUPPORTED = ErrorEntry(
-    300078, "{parameter}: synchronisation type {text!r} is not supported yet", remedy="supported are {supported}"
+SYNCH_NOT_ONE = ErrorEntry(
+    300078,
+    "{parameter}: {text!r} is not one synchronisation type, with flags beside it or without",
+    remedy="types are {supported}",
 )
 SPINDLE_LOCKED = ErrorEntry(
     300079, "{word} is locked by synchronisation type NOT_VALID", remedy="configure its synchronisation type"
@@ -231,11 +233,11 @@ RADIUS_FULL_CIRCLE = ErrorEntry(
     source="programming manual line 2412",
 )
 CENTRE_DEVIATION = ErrorEntry(
-    300096,
+    20035,
     "circle centre would have to move by {shift:.6g} mm to fit start and target, allowed are {limit:.6g} mm",
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="check {letters}, the target, and G161/G162",
-    source="P-CHAN-00059, P-CHAN-00060",
+    source="programming manual line 19635; P-CHAN-00059, P-CHAN-00060",
 )
 RADIUS_ZERO = ErrorEntry(300097, "the circle has radius 0", reaction=Reaction.STOP_AT_BLOCK_END)
 RADIUS_RANGE = ErrorEntry(
@@ -464,19 +466,6 @@ FUNCTION_NOT_CONFIGURED = ErrorEntry(
     "{name}: {letter}{number} is not configured",
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="give {letter}{number} a synchronisation type in the channel parameters",
-)
-PRE_OUTPUT = ErrorEntry(
-    300206,
-    "{name}: {letter}{number} is put out without a distance or time in front",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    source="programming manual line 21372",
-)
-PRE_OUTPUT_UNSUPPORTED = ErrorEntry(
-    300490,
-    "{name}: {letter}{number} would get synchronisation type {synch}, which is not supported yet",
-    reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="without an output ahead of the place, choose the type with {name}[{number}].SYNCH",
-    source="programming manual line 21370",
 )
 VERSION_FORM = ErrorEntry(
     22015,
@@ -892,4 +881,69 @@ EXACT_STOP_ALONE = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="write G60 into the block whose target is to be reached exactly",
     source="programming manual line 4424",
+)
+
+# -- dynamics ------------------------------------------------------------------------------------------------------
+
+WEIGHT_INVALID = ErrorEntry(
+    300600,
+    "{value:.9g} % is no weight",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="give 0 or more; more than 100 % counts up to the limits of the axis",
+)
+CORNER_DISTANCE = ErrorEntry(
+    300601,
+    "DIST={value:.9g}: the corner distance has to be greater than 0",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 4534",
+)
+CORNER_PARAMETERS = ErrorEntry(
+    300602,
+    "G13 before its parameters are known",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program #CORNER PARAM [DIST=.. UNIT=.. FEED=..] in front of it",
+    source="programming manual line 4526",
+)
+LOOK_AHEAD_NUMBER = ErrorEntry(
+    300603,
+    "G115={value:.9g}: an even number from 0 to 14 is expected",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="2 limits block transitions, 4 the chord error, 8 the acceleration on curves; add what shall hold",
+    source="programming manual line 6306",
+)
+LIMIT_INVALID = ErrorEntry(
+    300604, "{key}={value:.9g}: a limit has to be greater than 0", reaction=Reaction.STOP_AT_BLOCK_END
+)
+OVERRIDE_RANGE = ErrorEntry(
+    300605,
+    "an override of {value:.9g} % lies outside {least:g} to {most:g} %",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 17070",
+)
+FEED_GROUP_CIRCLE = ErrorEntry(
+    300606,
+    "for a circle the feed axes are either all main axes with the same factor, or none of them",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="select the feed axes with #FGROUP, or #FGROUP alone for the usual ones",
+    source="programming manual line 15592",
+)
+FEED_GROUP_FACTOR = ErrorEntry(
+    300607,
+    "feed factor {value:.9g} of axis {axis} lies outside 0.001 to 1000",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="programming manual line 15637",
+)
+FEED_GROUP_RADIUS = ErrorEntry(
+    300608, "REF={value:.9g}: the reference radius has to be greater than 0", reaction=Reaction.STOP_AT_BLOCK_END
+)
+FEED_GROUP_DEFAULT = ErrorEntry(
+    21209,
+    "no feed axes are configured: F is the speed along the main axes",
+    Severity.WARNING,
+    Reaction.NONE,
+    remedy="set gruppe[0].achse[].default_feed_axis to choose them",
+    source="P-ERR-21209",
+)
+RADIUS_NEGATIVE = ErrorEntry(
+    300609, "RMIN={value:.9g}: a radius of 0 or more is expected", reaction=Reaction.STOP_AT_BLOCK_END
 )

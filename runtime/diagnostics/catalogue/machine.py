@@ -113,6 +113,14 @@ SERVICE_LOST = ErrorEntry(
     remedy="the system's journal says how it ended; start the runtime again, as systemd does by itself",
 )
 
+PRE_OUTPUT_LATE = ErrorEntry(
+    120815,
+    "{letter}{number} would be put out {late:.4f} mm behind its planned place, allowed are {limit:.4f} mm",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="give it a shorter lead, program more path in front of it, or raise pre_output_tolerance (P-CHAN-00760)",
+    source="channel parameters, line 2437",
+)
+
 # ------------------------------------------------------------------------------------------- #ERROR of an NC program
 
 _USER_ERROR = "programming manual, line 15348"

@@ -80,3 +80,8 @@ METRICS_PORT = ErrorEntry(
     Reaction.NONE,
     remedy="Choose another metrics.port in the machine description, or end the program that uses this one.",
 )
+NO_TRACE = ErrorEntry(
+    305040,
+    "no trace that can be compared: {reason}",
+    remedy="Give folders that `tandem simulate --trace FOLDER` has written for the same machine.",
+)

@@ -180,7 +180,6 @@ def test_the_method_of_contouring() -> None:
     [
         ("TRAFO_ACTIVE", ("#TRAFO ON",)),
         ("MCS_ACTIVE", ("#MCS ON",)),
-        ("TRC_ACTIVE", ("G41", "G42")),
         ("OTC_ACTIVE", ("#OTC ON",)),
         ("CAXTRACK_ACTIVE", ("#CAXTRACK ON",)),
         ("LIFT_ACTIVE", ("G00 Z[LIFT POS=25]",)),

@@ -14,6 +14,7 @@ from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, VARIABLES
 from runtime.cnc.decoder.isg.variables_flags import ABSENT
 from runtime.cnc.decoder.setup import Limits
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
+from runtime.diagnostics.catalogue import technology as T  # noqa: N812
 from tests.cnc.decoder.programs import SETUP, Run, decode
 from tests.cnc.decoder.scripted_outside import Machine
 
@@ -753,20 +754,40 @@ def test_synchronisation_of_functions_is_read_and_changed_for_the_programs_that_
     assert value("V.G.M_FCT[10].SYNCH", memory=memory) == 4
 
 
+@pytest.mark.spec("isg.var.g-mh-functions", "chan.mh.pre-output-values")
+def test_a_lead_that_does_not_fit_changes_the_type() -> None:
+    memory = ChannelMemory(SETUP)
+    program = (
+        "V.G.M_FCT[10].PRE_OUTP_PATH = 25\nP1=V.G.M_FCT[10].SYNCH P2=V.G.M_FCT[10].PRE_OUTP_PATH\nM10\n"
+        "V.G.H_FCT[20].PRE_OUTP_TIME = 0.04\nP3=V.G.H_FCT[20].SYNCH P4=V.G.H_FCT[20].PRE_OUTP_TIME\nH20\n"
+        "V.G.M_FCT[11].SYNCH = '0x100000' V.G.M_FCT[11].PRE_OUTP_PATH = 5\nP5=V.G.M_FCT[11].SYNCH\n"
+        "G70 P6=V.G.M_FCT[10].PRE_OUTP_PATH\nM30"
+    )
+    run = decode(program, memory=memory)
+    assert run.problem is None, run.problem
+    assert run.parameters == pytest.approx(
+        {1: 0x1000000, 2: 25.0, 3: 0x2000000, 4: 0.04, 5: 0x100000, 6: 25.0}
+    )  # the parameters of a block are computed before G70 acts
+    leads = [(f.synch, f.lead) for f in run.blocks if isinstance(f, TechnologyFunction)]
+    assert [synch for synch, _ in leads] == [Synch.MEP_SVS, Synch.MET_SVS]
+    assert [lead for _, lead in leads] == pytest.approx([25.0, 0.04])
+    assert value("V.G.M_FCT[10].PRE_OUTP_PATH", "G70", memory=memory) == pytest.approx(25.0 / 25.4)
+
+
 @pytest.mark.parametrize(
     ("program", "entry"),
     [
         ("P1 = V.G.M_FCT[77].SYNCH", C.FUNCTION_NOT_CONFIGURED),
         ("V.G.H_FCT[77].SYNCH = 1", C.FUNCTION_NOT_CONFIGURED),
-        ("V.G.M_FCT[10].SYNCH = 3", C.SYNCH_UNSUPPORTED),
-        ("V.G.M_FCT[10].SYNCH = '16#1000000'", C.SYNCH_UNSUPPORTED),
-        ("V.G.H_FCT[20].SYNCH = '0x4000'", C.SYNCH_UNSUPPORTED),
+        ("V.G.M_FCT[10].SYNCH = 3", C.SYNCH_NOT_ONE),
         ("V.G.M_FCT[10].SYNCH = 16", C.SYNCH_UNKNOWN),
-        ("P1 = V.G.H_FCT[20].PRE_OUTP_TIME", C.PRE_OUTPUT),
+        ("P1 = V.G.H_FCT[20].PRE_OUTP_TIME", T.PRE_OUTPUT),
         ("V.G.M_FCT[10].SYNCH = -1", C.SYNCH_VALUE),
-        ("P1 = V.G.M_FCT[10].PRE_OUTP_PATH", C.PRE_OUTPUT),
-        ("V.G.M_FCT[10].PRE_OUTP_TIME = 1", C.PRE_OUTPUT_UNSUPPORTED),
-        ("V.G.H_FCT[20].PRE_OUTP_PATH = 1", C.PRE_OUTPUT_UNSUPPORTED),
+        ("P1 = V.G.M_FCT[10].PRE_OUTP_PATH", T.PRE_OUTPUT),
+        ("V.G.M_FCT[10].PRE_OUTP_PATH = 5\nP1 = V.G.M_FCT[10].PRE_OUTP_TIME", T.PRE_OUTPUT),
+        ("V.G.M_FCT[10].PRE_OUTP_TIME = -1", T.PRE_OUTPUT_VALUE),
+        ("V.G.H_FCT[20].PRE_OUTP_PATH = 429497", T.PRE_OUTPUT_VALUE),
+        ("V.G.M_FCT[10].PRE_OUTP_PATH = 5 V.G.M_FCT[10].SYNCH = 2\nM10", T.MICRO_JOINT),
         ("V.G.H_FCT[77].PRE_OUTP_PATH = 1", C.FUNCTION_NOT_CONFIGURED),
     ],
 )

@@ -13,6 +13,7 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue, RecordKind
 from runtime.cnc.path_preparation import PumpState, QueueWriter
+from runtime.cnc.path_preparation.weight_tables import PathWeights
 
 Floats = npt.NDArray[np.float64]
 
@@ -75,10 +76,11 @@ def drive(
     budget: int = 4000,
     capacity: int = 4096,
     keep_records: bool = True,
+    weights: PathWeights | None = None,
 ) -> Drive:
     """Run until everything is passed, or `most` cycles."""
     queue = MotionQueue(limits.n, capacity=capacity)
-    writer = QueueWriter(queue, limits, PERIOD)
+    writer = QueueWriter(queue, limits, PERIOD, weights=weights)
     interpolator = Interpolator(queue, limits, PERIOD, start)
     stream = iter(blocks)
     state = PumpState.MORE

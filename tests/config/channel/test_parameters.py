@@ -8,6 +8,7 @@ import pytest
 
 from runtime.config.channel import PathKind
 from runtime.config.loader import load_machine, parse_machine
+from runtime.diagnostics.catalogue import configuration as errors
 from tests.config.machines import MACHINE, machine_with_list, parameters_of, problems_of, with_parameters
 
 
@@ -128,7 +129,7 @@ def test_limits_of_macros_can_be_raised() -> None:
 
 def test_what_has_no_effect_is_told_as_a_warning(tmp_path: Path) -> None:
     machine = machine_with_list(
-        tmp_path, "m_prozess_zeit[6] 500\n", "    parameters: {aep: {output_mode: 1}, prog_start.feedrate_factor: 0}\n"
+        tmp_path, "rpf_prozess_zeit 500\n", "    parameters: {aep: {output_mode: 1}, prog_start.feedrate_factor: 0}\n"
     )
     told = [(Path(warning.place.file).name, warning.place.line, warning.entry.id) for warning in machine.warnings]
     assert told == [("machine.yaml", 10, 302025), ("machine.yaml", 10, 302038), ("mill.lis", 1, 302025)]
@@ -170,3 +171,49 @@ def test_program_paths_and_path_parameters_exclude_each_other() -> None:
     text = with_parameters("path: [{dir: a, type: 3}]") + "    program_paths: [b]\n"
     (problem,) = problems_of(text)
     assert (problem.entry.id, problem.place.line, problem.place.column) == (302037, 11, 5)
+
+
+@pytest.mark.spec("chan.weight.path", "chan.weight.radius")
+def test_weights_by_length_and_radius() -> None:
+    parameters = parameters_of(
+        "dynamic_weighting_active: 3\n"
+        "dynamic_weighting: [{path_limit: 10000, velocity_fact: 100, acceleration_fact: 1000, ramp_time_fact: 2000},"
+        " {path_limit: 20000, velocity_fact: 500, acceleration_fact: 900, ramp_time_fact: 1000}]\n"
+        "curve_dynamic_weighting: [{radius_limit: 50, velocity_fact: 11, acceleration_fact: 12, ramp_time_fact: 13}]"
+    )
+    assert parameters.dynamic_weighting_active == 3
+    assert [row.limit for row in parameters.dynamic_weighting.values()] == [1.0, 2.0]
+    assert parameters.dynamic_weighting[0].factors == (0.1, 1.0, 2.0)
+    assert parameters.curve_dynamic_weighting[0].limit == pytest.approx(0.005)
+    assert parameters.curve_dynamic_weighting[0].factors == pytest.approx((0.011, 0.012, 0.013))
+
+
+@pytest.mark.spec("chan.weight.path")
+@pytest.mark.parametrize(
+    ("rows", "id_"),
+    [
+        ("{1: {path_limit: 1, velocity_fact: 11, acceleration_fact: 11, ramp_time_fact: 11}}", 302033),
+        ("{0: {path_limit: 1, velocity_fact: 11, acceleration_fact: 11}}", errors.KEY_MISSING.id),
+        ("[{path_limit: 5, velocity_fact: 11, acceleration_fact: 11, ramp_time_fact: 11},"
+         " {path_limit: 5, velocity_fact: 11, acceleration_fact: 11, ramp_time_fact: 11}]", errors.OUT_OF_RANGE.id),
+    ],
+)  # fmt: skip
+def test_weights_that_do_not_fit_together(rows: str, id_: int) -> None:
+    problems = problems_of(with_parameters(f"dynamic_weighting: {rows}"))
+    assert [problem.entry.id for problem in problems] == [id_]
+
+
+@pytest.mark.spec("chan.vector-limit")
+def test_path_limits_and_their_unit() -> None:
+    usual = parameters_of("prog_start.feedrate: 0").vector
+    assert usual.per_square_second("acceleration") == pytest.approx(1e8 / 3600)
+    given = parameters_of("vector: {acc_dec_unit: MM_S2, acceleration: 500}").vector
+    assert given.per_square_second("acceleration") == 500.0
+    assert given.per_square_second("deceleration") == pytest.approx(1e8 / 3600)
+
+
+@pytest.mark.spec("chan.start.slope")
+def test_the_slope_that_is_not_given_is_not_step() -> None:
+    """The register's own default would let the jerk go: axes are described with a jerk."""
+    assert parameters_of("prog_start.feedrate: 0").prog_start.slope.profile is None
+    assert parameters_of("prog_start.slope.profile: 0").prog_start.slope.profile == 0

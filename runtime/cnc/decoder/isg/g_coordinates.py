@@ -7,6 +7,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, GHandler, StatementCall, g_function, statement
 from runtime.cnc.decoder.modal import Plane
 from runtime.cnc.decoder.motion import PLANES
+from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.decoder.selection import MIRRORS, plane_changed, select_mirror, switch_rotation
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.syntax import Form, Group, Key
@@ -18,6 +19,7 @@ def _plane(number: int, plane: Plane) -> GHandler:
     @g_function(number, Group.PLANE, "isg.g.plane-g17-g18-g19")
     def select(x: Execution, call: GCall) -> None:
         if x.modal.plane is not plane:
+            expect_none(x, f"G{number}", call.column)
             x.modal.plane = plane
             plane_changed(x, call.column)
 

@@ -31,11 +31,15 @@ def centre_corrected(x: Execution) -> float:
     return float(x.modal.centre_correction)
 
 
+@variable("V.G.TRC_ACTIVE", _SPEC, "1 between G41 or G42 and G40")
+def radius_compensated(x: Execution) -> float:
+    return float(x.modal.compensation_side != 0)
+
+
 # Flag → what would switch the function on: beginnings of statements, G numbers.
 ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "TRAFO_ACTIVE": (("TRAFO",), ()),
     "MCS_ACTIVE": (("MCS",), ()),
-    "TRC_ACTIVE": ((), (41, 42)),
     "OTC_ACTIVE": (("OTC",), ()),
     "CAXTRACK_ACTIVE": (("CAXTRACK",), ()),
     "STROKE_DEF_ACTIVE": (("STROKE DEF",), ()),
@@ -91,10 +95,10 @@ def measuring_type(x: Execution) -> float:
     return float(x.setup.measuring_type)
 
 
-@variable("V.G.TOOL_COMP", "isg.var.g-channel-state", "type of the active tool compensation: 0, there is none")
+@variable("V.G.TOOL_COMP", "isg.var.g-channel-state", "type of the active tool compensation: 0 none, 3 in the plane")
 def tool_compensation(x: Execution) -> float:
-    require_absent("V.G.TOOL_COMP", ("RTCP", "TLC", "TRAFO"), (41, 42))
-    return 0.0
+    require_absent("V.G.TOOL_COMP", ("RTCP", "TLC", "TRAFO"), ())
+    return 3.0 if x.modal.compensation_side else 0.0
 
 
 # ---------------------------------------------------------------------------------------------------- axis couplings

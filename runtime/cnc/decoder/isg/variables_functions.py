@@ -5,13 +5,16 @@ What a program changes holds for the programs that follow, until the next start 
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Synch
+from runtime.cnc.blocks import BY_PATH, BY_TIME, Synch
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import variable, writes
 from runtime.cnc.decoder.setup import DecoderSetupError, parse_synch
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import as_number, round_half_up
+from runtime.config.channel.parameters import INTERNAL
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import technology
+from runtime.hli.units import MICROSECOND
 
 _SPEC = "isg.var.g-mh-functions"
 _BITS = 2**32
@@ -54,25 +57,42 @@ def _functions(letter: str) -> None:
             raise CalculationError(catalogue.SYNCH_VALUE, name, value=shown)
         _table(x, letter)[index] = kind
 
-    _ahead(letter, "PATH", "path in front of the place of output", "MEP_SVS")
-    _ahead(letter, "TIME", "time in front of it", "MET_SVS")
+    _ahead(letter, "PATH", "path in front of the place of output", BY_PATH, Synch.MEP_SVS)
+    _ahead(letter, "TIME", "time in front of it", BY_TIME, Synch.MET_SVS)
 
 
-def _ahead(letter: str, ahead: str, what: str, synch: str) -> None:
-    """`synch` is the type that a function gets by writing the value (line 21370)."""
+def _ahead(letter: str, ahead: str, what: str, fitting: Synch, implied: Synch) -> None:
+    """`implied` is the type that a function gets by writing the value while its type is not a `fitting` one (line 21370)."""
     name = f"V.G.{letter}_FCT"
     path = f"{name}[].PRE_OUTP_{ahead}"
+    way = ahead == "PATH"
+    unit = INTERNAL if way else MICROSECOND
+    said = "distance" if way else "time"
 
-    @variable(path, _SPEC, what, unit="mm, inch" if ahead == "PATH" else "s")
+    def table(x: Execution) -> dict[int, int]:
+        return x.memory.m_ahead if letter == "M" else x.memory.h_ahead
+
+    @variable(path, _SPEC, what, unit="mm, inch" if way else "s")
     def read(x: Execution, number: float) -> float:
-        """No function can have one as long as there is no synchronisation type that puts it out ahead."""
         index = _number(x, letter, number)
-        raise CalculationError(catalogue.PRE_OUTPUT, name, letter=letter, number=index)
+        synch = _table(x, letter)[index]
+        if not synch & fitting:
+            shown = synch.kind.name
+            raise CalculationError(technology.PRE_OUTPUT, name, letter=letter, number=index, synch=shown, what=said)
+        value = table(x).get(index, 0) * unit
+        return x.shown_length(value) if way else value
 
     @writes(path)
     def write(x: Execution, value: float, number: float) -> None:
         index = _number(x, letter, number)
-        raise CalculationError(catalogue.PRE_OUTPUT_UNSUPPORTED, name, letter=letter, number=index, synch=synch)
+        given = as_number(value, name)
+        units = (x.length(given) if way else given) / unit
+        if not 0.0 <= units < _BITS:
+            raise CalculationError(technology.PRE_OUTPUT_VALUE, name, value=given, what=said)
+        synch = _table(x, letter)[index]
+        if not synch & fitting:
+            _table(x, letter)[index] = implied | synch.flags
+        table(x)[index] = round_half_up(units)
 
 
 _functions("M")

@@ -138,10 +138,24 @@ class StatementParser:
             yield Argument("", position + 1, value)
         elif form in (Form.AXES, Form.AXIS_LIST):
             yield from self._axes(syntax, text, begin)
+        elif form is Form.AXIS_BRACKET:
+            yield from self._axis_bracket(syntax, text, begin)
         elif form is Form.VARIABLES:
             yield from self._variables(text, begin)
         else:
             yield from self._words(syntax, text, begin)
+
+    def _axis_bracket(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
+        """[X, Y=2] and nothing behind it."""
+        opening = _skip(text, begin)
+        if text[opening : opening + 1] != "[":
+            raise self._not_understood(syntax, text, opening)
+        end = _closing(text, opening)
+        if end < 0:
+            raise LineError(catalogue.BRACKET_OPEN, opening + 1)
+        if text[end + 1 :].strip() or not text[opening + 1 : end].strip():
+            raise self._not_understood(syntax, text, end + 1 if text[end + 1 :].strip() else opening)
+        yield from self._axes(syntax, text[:end], opening + 1)
 
     def _words(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
         """Words, then a bracket with keys, a message or assignments."""
@@ -206,6 +220,10 @@ class StatementParser:
                 yield Argument(key.name, column, index=index)
                 position = _skip(text, position, " \t,")
                 continue
+            if key.kind is KeyKind.SWITCH and _bare(text, position, end, pattern):
+                yield Argument(key.name, column, index=index)
+                position = _skip(text, position, " \t,")
+                continue
             position = _skip(text, position, " \t=")
             stop = _value_end(text, position, end, pattern)
             if key.kind is KeyKind.NAME and (bare := _BARE_NAME.match(text, position, stop)):
@@ -230,7 +248,7 @@ class StatementParser:
         if key.kind is KeyKind.NAME and text[0] != '"' and not text.upper().startswith("V."):
             return Argument(key.name, column, expressions.text(text), text, index)
         value = self._blocks.expression(text, column)
-        if key.kind is KeyKind.NUMBER:
+        if key.kind in (KeyKind.NUMBER, KeyKind.SWITCH):
             value = expressions.number(value, key.name, column)
         elif key.kind in (KeyKind.STRING, KeyKind.NAME):
             value = expressions.string(value, key.name, column)
@@ -290,7 +308,7 @@ class StatementParser:
                 raise LineError(catalogue.AXIS_UNKNOWN, position + 1, axis=name, axes=axes)
             column = position + 1
             position = _skip(text, position + len(name), " \t=")
-            stop = self._axis_value_end(text, position)
+            stop = position if text[position : position + 1] == "," else self._axis_value_end(text, position)
             given = text[position:stop].strip()
             value = self._blocks.expression(given, position + 1) if given else None
             if value is None and syntax.form is Form.AXES:
@@ -462,6 +480,11 @@ def _matched(keys: tuple[Key, ...], match: re.Match[str]) -> tuple[Key, int]:
                 )
             return key, index
     raise AssertionError(group)
+
+
+def _bare(text: str, position: int, end: int, pattern: re.Pattern[str]) -> bool:
+    """Whether a key whose value may be left out has none: a comma, the next key or the end follows."""
+    return position >= end or text[position] == "," or pattern.match(text, position, end) is not None
 
 
 def _value_end(text: str, position: int, end: int, pattern: re.Pattern[str]) -> int:

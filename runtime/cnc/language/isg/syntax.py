@@ -31,6 +31,16 @@ class Group(Enum):
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
     EXACT_STOP = "exact stop"
+    ACCELERATING = "acceleration or deceleration in the block"
+    BRAKING = "where a block brakes"
+    CORNER_DECELERATION = "corner deceleration"
+    LOOK_AHEAD = "look-ahead"
+    FEED_FORWARD = "feedforward control"  # 21
+    COMPENSATION = "radius compensation"
+    APPROACH = "approach of the radius compensation"
+    OUTSIDE_CORNER = "outside corners of the radius compensation"
+    COMPENSATED_FEED = "feed of the radius compensation"
+    MASKING = "contour masking"
     CONTOURING = "polynomial contouring"
     SPLINE = "spline"
     NONE = ""  # excludes nothing
@@ -66,6 +76,7 @@ class KeyKind(Enum):
     STRING = auto()  # a quoted text or a string expression
     VALUE = auto()  # number or string
     FLAG = auto()  # nothing
+    SWITCH = auto()  # a number or nothing
     AXIS = auto()  # an axis name
     WORD = auto()  # one of `words`
     NAME = auto()  # a file or program name, quoted or not
@@ -92,6 +103,7 @@ class Form(Enum):
     KEYS = auto()  # [KEY=.. KEY ..]
     AXES = auto()  # X1 Y2, with values
     AXIS_LIST = auto()  # X Y or X1 Y1: values without meaning
+    AXIS_BRACKET = auto()  # [X, Y=2]: values may be left out
     VARIABLES = auto()  # V.P.A, P1
     MESSAGE = auto()  # <words> ["text", value, ...]
     ASSIGNMENTS = auto()  # [P1=X, V.P.A=Y]: target = axis

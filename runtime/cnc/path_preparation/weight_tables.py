@@ -1,0 +1,64 @@
+"""The weights that channel parameters give by path length and by radius (channel parameters 6302–6531)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.config.machine import Machine
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+class WeightRow(Protocol):
+    """A row of the parameters: it holds below `limit` (mm), `factors` weight velocity, acceleration and ramp time."""
+
+    @property
+    def limit(self) -> float: ...
+    @property
+    def factors(self) -> tuple[float, float, float]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class WeightTable:
+    """`limits` (rows,) grow; a row holds below its limit and from that of the row before it on, the last one for everything."""
+
+    limits: tuple[float, ...] = ()
+    factors: tuple[tuple[float, float, float], ...] = ()
+
+    @classmethod
+    def of(cls, rows: Mapping[int, WeightRow]) -> WeightTable:
+        """The rows of channel parameters in the order of their indices."""
+        chosen = [rows[index] for index in sorted(rows)]
+        return cls(tuple(row.limit for row in chosen), tuple(row.factors for row in chosen))
+
+    def row(self, sizes: Floats) -> Ints:
+        """The row of each length or radius (k,), mm; -1 where the table is empty."""
+        if not self.limits:
+            return np.full(len(sizes), -1, dtype=np.int64)
+        found = np.searchsorted(self.limits, sizes, side="right")
+        return np.minimum(found, len(self.limits) - 1).astype(np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class PathWeights:
+    """Both tables of a channel, and whether a limit of the path acceleration acts on circles too (P-CHAN-00350)."""
+
+    by_length: WeightTable = WeightTable()
+    by_radius: WeightTable = WeightTable()
+    limit_on_circles: bool = False
+
+
+def path_weights(machine: Machine, channel: int = 0) -> PathWeights:
+    """The tables of a channel of the machine."""
+    parameters = machine.channels[channel].parameters
+    return PathWeights(
+        WeightTable.of(parameters.dynamic_weighting),
+        WeightTable.of(parameters.curve_dynamic_weighting),
+        parameters.vector.cir_radial_acc_limit,
+    )

@@ -1,0 +1,36 @@
+"""The stages between the decoder and the motion queue, in their order: what a check, a simulation and a machine do alike.
+
+decoder ─ late synchronisation ─ radius compensation ─ arcs in space ─ smoothing ─ corner deceleration ─ software limits ─▶
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from runtime.cnc.blocks import Block
+from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.path_preparation import (
+    CornerDecelerations,
+    LateSynchronisation,
+    SoftwareLimits,
+    SpatialArcs,
+    smooth,
+)
+from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
+from runtime.diagnostics.errors import Problem
+
+
+def prepared(
+    blocks: Iterable[Block],
+    axes: AxisLimits,
+    limits: SoftwareLimits,
+    late: LateSynchronisation,
+    warnings: list[Problem] | None = None,
+) -> Iterator[Block]:
+    """The blocks of one program as they are to be driven; `late` lives as long as the channel.
+
+    What there is to warn of goes to `warnings`. Raises what the stages raise: each of them a TandemError with its place.
+    """
+    compensated = ToolRadiusCompensation()(late(blocks))
+    smoothed = smooth(SpatialArcs()(compensated), axes, warnings)
+    return limits(CornerDecelerations()(smoothed))
