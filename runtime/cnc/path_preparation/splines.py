@@ -310,6 +310,12 @@ class SplineStage:
 def _handed_on(legs: _Legs, made: Floats, leg: Ints) -> Iterator[Block]:
     """Polynomials (k, 6, n) of legs, `leg` (k,) which one; cut where something is to be done, or the offsets change."""
     last = np.append(leg[1:] != leg[:-1], True)
+    for count, actions in list(legs.actions.items()):  # the end of a block needs no place of its own
+        if isinstance(actions[0], BlockEnd) and not legs.ends[count - 1]:
+            legs.ends[count - 1] = True
+            legs.actions[count] = actions[1:]
+            if not actions[1:]:
+                del legs.actions[count]
     cuts = {count for count in legs.actions if count > 0}
     cuts |= {i for i in range(1, len(legs)) if not _alike(legs.origins[i - 1], legs.origins[i])}
     borders = [0, *sorted(cut for cut in cuts if cut < len(legs)), len(legs)]
@@ -320,9 +326,6 @@ def _handed_on(legs: _Legs, made: Floats, leg: Ints) -> Iterator[Block]:
         there = slice(int(np.searchsorted(leg, begin)), int(np.searchsorted(leg, end)))
         origin, mine = legs.origins[begin], leg[there]
         block_ends = last[there] & ends[mine]
-        if actions and isinstance(actions[0], BlockEnd) and not block_ends[-1]:
-            block_ends[-1] = True
-            actions = actions[1:]
         yield replace(
             origin.polynomials(made[there]),
             feeds=feeds[mine],

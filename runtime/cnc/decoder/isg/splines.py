@@ -231,7 +231,7 @@ def switch_hsc(x: Execution, on: bool, column: int) -> None:
     elif on:
         _transitions(x)
     else:
-        x.emit(ContourChange(x.source, state.contouring if state.contouring_on else None))
+        x.emit(ContourChange(x.source, state.contouring if x.modal.contouring else None))
 
 
 def _transitions(x: Execution) -> None:
