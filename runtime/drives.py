@@ -57,6 +57,7 @@ class DriveImage:
         self.reset_fault: Flags = np.zeros(n, dtype=np.bool_)  # rising edge acknowledges a fault
         self.digital_out: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
         self.analogue_out: Floats = np.zeros(ANALOGUE_VALUES)
+        self.origin: Floats = np.zeros(n)  # position of the axis where its drive counts 0; changed by homing
         # feedback, written by the bus
         self.actual_position: Floats = np.zeros(n)
         self.actual_velocity: Floats = np.zeros(n)

@@ -1,3 +1,3 @@
 """What all tests share."""
 
-pytest_plugins = ["tests.spec_results"]
+pytest_plugins = ["tests.spec_results", "runtime.testbench.plugin"]

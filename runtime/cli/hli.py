@@ -20,12 +20,13 @@ from runtime.drives import DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
 from runtime.hli.header import c_header
-from runtime.hli.layout import Axis, Channel, Hli
+from runtime.hli.layout import Axis, Channel, Hli, ManualMode, ManualState
 from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.operator import Operator
 from runtime.hli.units import LENGTH, PERCENT, RAPID, REV_PER_MIN, SPEED
 
 SPINDLE = 4  # axis_type_r
+KEY_PAUSE = 0.1  # s between two presses of a key that is held
 
 app = typer.Typer(
     help="Look into the interface memory of a running machine, and command it.",
@@ -132,6 +133,14 @@ def _channel_table(channel: Channel) -> Table:
         "functions": f"{status.waiting_functions_r} not acknowledged"
         + (f", error {status.error_id_r}" if status.error_id_r else ""),
     }
+    by_hand = [hand for hand in status.hb_display_r if hand.state_r != ManualState.OFF]
+    if by_hand:
+        rows["by hand"] = ", ".join(
+            f"{ManualMode(hand.operation_mode_r).name.lower()} {hand.control_element_r}: {hand.offset_r * LENGTH:.3f}"
+            for hand in by_hand
+        )
+    if status.machine_locked_r:
+        rows["axes"] = "locked: nothing moves"
     for label, text in rows.items():
         table.add_row(f"[dim]{label}[/]", escape(text))
     return table
@@ -235,3 +244,78 @@ def optional_stop(switch: Switch, name: Name = "tandem") -> None:
 def continue_motion(name: Name = "tandem") -> None:
     """Go on after M00, M01 or a single block."""
     _operate(name, lambda operator: operator.continue_motion())
+
+
+@command.command()
+def mdi(
+    blocks: Annotated[list[str], typer.Argument(help="NC blocks, each one argument in quotes.")], name: Name = "tandem"
+) -> None:
+    """Execute NC blocks (MDI)."""
+    _operate(name, lambda operator: operator.execute("\n".join(blocks)))
+
+
+@command.command()
+def manual(name: Name = "tandem") -> None:
+    """Select manual mode: jog moves the axes then; `stop` ends it."""
+    _operate(name, lambda operator: operator.manual())
+
+
+@command.command()
+def home(
+    blocks: Annotated[list[str] | None, typer.Argument(help='Such as "G74 Z1 X2 Y2"; nothing: program rpf.nc.')] = None,
+    name: Name = "tandem",
+) -> None:
+    """Home axes."""
+    _operate(name, lambda operator: operator.home("\n".join(blocks or [])))
+
+
+@command.command()
+def jog(
+    axis: Annotated[str, typer.Argument(help="Axis and direction: X+, Y-.")],
+    seconds: Annotated[float, typer.Option(help="How long the key is pressed.", min=0.0)] = 1.0,
+    step: Annotated[float, typer.Option(help="One increment of this width instead, mm or degrees.", min=0.0)] = 0.0,
+    velocity: Annotated[float, typer.Option(help="mm/s or degrees/s; default: as it was.", min=0.0)] = 0.0,
+    name: Name = "tandem",
+) -> None:
+    """Move an axis by its key, in manual mode. The axis stops when this command ends, however it ends."""
+    with HliMemory.attach(name) as memory:
+        key, number = _key_of(memory.hli, axis[:-1])
+        direction = {"+": 1, "-": -1}.get(axis[-1:])
+        if direction is None:
+            raise typer.BadParameter(f"{axis!r}: say the axis and a direction, such as X+")
+        operator = Operator(memory, time.sleep)
+        unit = "jog_parameter" if step else "continuous_parameter"
+        if step or velocity:
+            operator.jog_parameter(unit, number, step, velocity)
+        operator.link(number, key, ManualMode.INCREMENTAL if step else ManualMode.CONTINUOUS)
+        operator.press(key, 0)
+        time.sleep(KEY_PAUSE)
+        end = time.monotonic() + seconds
+        try:
+            while True:
+                operator.press(key, direction)
+                left = end - time.monotonic()
+                if step or left <= 0.0:
+                    break
+                time.sleep(min(left, KEY_PAUSE))
+        finally:
+            if step:
+                time.sleep(KEY_PAUSE)
+            operator.press(key, 0)
+
+
+def _key_of(hli: Hli, axis: str) -> tuple[int, int]:
+    """The key pair and the logical number of a path axis: pair 1 is that of the first one, and so on."""
+    channel = hli.channels[0]
+    names = [get_text(hli.axes[channel.axis_index_r[k]], "name_r") for k in range(channel.axis_count_r)]
+    if axis not in names:
+        raise typer.BadParameter(f"there is no axis {axis!r}; there are {', '.join(names)}")
+    k = names.index(axis)
+    return k + 1, int(hli.axes[channel.axis_index_r[k]].log_ax_n_r)
+
+
+@command.command("machine-lock")
+def machine_lock(switch: Switch, name: Name = "tandem") -> None:
+    """From the next program start on, no axis moves; functions and spindles do."""
+    on = _on(switch)
+    _operate(name, lambda operator: operator.machine_lock(on))

@@ -1,4 +1,4 @@
-"""What the cycle does at a place of the path besides moving: messages, timers, external variables, warnings of the program.
+"""What the cycle does at a place of the path besides moving: messages, timers, external variables, tool life, warnings.
 
 Everything here is bounded: of the messages for the PLC no more wait than the gates of the path let pass, and of those told at
 decoding time no more are taken over than may wait.
@@ -14,6 +14,7 @@ from runtime.cnc.decoder_reports import ReportKind
 from runtime.cnc.motion_queue import ActionKind, MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.cnc.queue_record import QueueRecord
+from runtime.cnc.tools.life import ToolLifeRecorder
 from runtime.hli.external import KINDS, external_area, write_external
 from runtime.hli.layout import Channel, Hli
 from runtime.hli.messages import LIMIT, MessagePort, Waiting
@@ -61,6 +62,7 @@ class Actions:
         self._external = external_area(hli)
         self._on_message = on_message
         self._on_warning = on_warning
+        self.life = ToolLifeRecorder(channel)
         self._put_out = 0  # messages for the PLC on the path since the start of the program
 
     # ------------------------------------------------------------------ the cycle
@@ -75,12 +77,13 @@ class Actions:
             if report.receiver == _PLC:
                 self._port.put(Waiting(report.text, report.information, number))
             self._on_message(Told(report.text, report.line, report.n, report.receiver, report.information))
+        self.life.step()
         taken = self._port.poll()
         if taken:
             self._told.confirm(taken)
 
-    def carry_out(self, record: QueueRecord) -> None:
-        """The path has come to an action."""
+    def carry_out(self, record: QueueRecord, place: float) -> None:
+        """The path has come to an action, at `place` (mm)."""
         text = self._queue.texts.take(record.text)
         if record.action is ActionKind.MESSAGE:
             if record.number:
@@ -93,6 +96,8 @@ class Actions:
                 self._timers.latch(record.number)
             else:
                 self._timers.act(command.value, record.number)
+        elif record.action is ActionKind.TOOL_LIFE:
+            self.life.carry_out(record, place)
         elif record.action is ActionKind.EXTERNAL:
             value = record.value if record.text < 0 else text
             write_external(self._external, record.offset, KINDS[record.number], record.size, value)
@@ -122,6 +127,7 @@ class Actions:
     def begin(self) -> None:
         """A program starts: its messages count anew; what waits of the one before still waits."""
         self._put_out = 0
+        self.life.begin()
 
     def drop(self) -> None:
         """Reset: withdraw the messages that nobody took."""

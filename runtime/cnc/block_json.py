@@ -13,7 +13,10 @@ from runtime.cnc.blocks import (
     ExternalWrite,
     Floats,
     Flush,
+    Homing,
     Line,
+    ManualMotion,
+    ManualParameter,
     Message,
     Polyline,
     Polynomials,
@@ -22,6 +25,7 @@ from runtime.cnc.blocks import (
     Stop,
     TechnologyFunction,
     TimerAction,
+    ToolLifeAction,
     ToolRadius,
     UserError,
 )
@@ -40,7 +44,9 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
     parameter from 0 to 1). Functions: `number`, `value`, `synch`, for S `spindle`.
     Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
     External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
-    `further`. Tool radius: `radius` (mm).
+    `further`. Tool radius: `radius` (mm). Tool life: `command`, `basic`, `sister`, `variant`, `time` (s), `distance`
+    (mm). Manual mode: `kind` and `axes` (indices), or `axis`, `stage`, `values`; homing: `order`
+    of the axes, 0 none.
     """
     if isinstance(block, Polyline):
         yield from _polyline(block, axis_names)
@@ -86,6 +92,10 @@ def _action(block: Block) -> Iterator[Row]:
                 "acknowledge": block.acknowledge,
                 "information": block.information,
             }
+        case ToolLifeAction():
+            row = _source(block.source, "tool life") | {"command": block.command.value}
+            row |= {"basic": block.basic, "sister": block.sister, "variant": block.variant}
+            yield row | {"time": block.time, "distance": block.distance}
         case ToolRadius():
             yield {**_source(block.source, "tool radius"), "radius": block.radius}
         case TimerAction():
@@ -103,6 +113,13 @@ def _action(block: Block) -> Iterator[Row]:
                 "meanings": list(block.meanings),
                 "further": list(block.further),
             }
+        case ManualMotion():
+            yield {**_source(block.source, "manual"), "kind": block.kind.value, "axes": list(block.axes)}
+        case ManualParameter():
+            values = {"axis": block.axis, "stage": block.stage, "values": [block.first, block.second]}
+            yield {**_source(block.source, "manual parameter"), "kind": block.what.value, **values}
+        case Homing():
+            yield {**_source(block.source, "homing"), "order": list(block.ranks)}
 
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:

@@ -597,6 +597,29 @@ class TimerAction:
     timer: int
 
 
+class LifeCommand(Enum):
+    """What happens to the record of tool life."""
+
+    CHANGE = "T"  # the record of the tool before is told, that of another tool begins
+    READ = "#TOOL LIFE READ"  # it is told as that of a tool, and goes on
+    REMOVE = "#TOOL LIFE REMOVE"  # it begins at 0
+    DEFINE = "#TOOL LIFE DEF"  # it goes on from `time` and `distance`
+    WEIGHT = "V.TLM"  # `time` and `distance` are factors from here on
+
+
+@dataclass(frozen=True, slots=True)
+class ToolLifeAction:
+    """The record of tool life, when the path is here. `time` in s, `distance` in mm; factors for WEIGHT."""
+
+    source: Source
+    command: LifeCommand
+    basic: int = 0
+    sister: int = 0
+    variant: int = 0
+    time: float = 0.0
+    distance: float = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class ExternalWrite:
     """A synchronous external variable gets its value when the path is here; `offset` in bytes into the V.E area.
@@ -624,6 +647,69 @@ class UserError:
     further: tuple[float, ...] = ()
 
 
+MANUAL_SHARE = 0.3  # of an axis' velocity, acceleration and jerk that is left to the hand beside the path (G201)
+
+
+class ManualKind(Enum):
+    """Who moves the axes."""
+
+    EXCLUSIVE = "G200"  # the hand alone, until continue
+    PARALLEL = "G201"  # the program, and the hand beside it
+    END = "G202"  # the program alone
+
+
+@dataclass(frozen=True, slots=True)
+class ManualMotion:
+    """From here on `axes` (indices) are moved as `kind` says. At EXCLUSIVE the decoder waits for where they are moved to."""
+
+    source: Source
+    kind: ManualKind
+    axes: tuple[int, ...]
+
+
+class ManualValue(Enum):
+    """What a parameter of manual mode is of."""
+
+    HANDWHEEL = "#HANDWHEEL"  # mm or degrees per pulse
+    CONTINUOUS = "#JOG CONT"  # velocity
+    INCREMENTAL = "#JOG INCR"  # width, velocity
+    LIMITS = "#MANUAL LIMITS"  # negative, positive
+
+
+@dataclass(frozen=True, slots=True)
+class ManualParameter:
+    """Parameters of manual mode of an axis, in mm or degrees and seconds; `stage` 1 to 3, 0 for limits."""
+
+    source: Source
+    axis: int
+    what: ManualValue
+    stage: int
+    first: float
+    second: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Homing:
+    """G74: the axes look for their reference; `ranks` (n_axes,): their turn from 1, 0 not at all. The decoder waits for it."""
+
+    source: Source
+    ranks: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TakeOver:
+    """The path goes on from where the axes were moved to by hand. The decoder waits for the place."""
+
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class PathRestart:
+    """The axes stand somewhere else than the last motion has ended: the next one begins there."""
+
+    source: Source
+
+
 Block = (
     Line
     | Arc
@@ -648,6 +734,12 @@ Block = (
     | Hold
     | Message
     | TimerAction
+    | ToolLifeAction
     | ExternalWrite
     | UserError
+    | ManualMotion
+    | ManualParameter
+    | Homing
+    | TakeOver
+    | PathRestart
 )

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, auto
 
 import numpy as np
@@ -22,10 +22,12 @@ import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.spindle import Spindle
+from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
 from runtime.cnc.interpolator import Interpolator
-from runtime.cnc.motion_queue import GateReason, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
+from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
@@ -56,6 +58,7 @@ _TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
 _MESSAGE = int(StopCondition.MESSAGE)
 _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
 _EXACT_STOP = int(StopCondition.EXACT_STOP)
+_MANUAL = int(StopCondition.MANUAL)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -80,6 +83,12 @@ class ChannelInputs:
     single_block: bool = False
     optional_stop: bool = False
     continue_motion: bool = False
+    read_disable: bool = False
+    restricted: bool = False  # a direction is blocked, or an axis has dynamic limits
+    # of the path axes, in their order
+    axis_holds: list[bool] = field(default_factory=list)
+    blocked: list[int] = field(default_factory=list)  # runtime.hli.layout.Blocked
+    limits: list[tuple[float, float] | None] = field(default_factory=list)  # dynamic ones, mm or degrees
 
 
 class Channel:
@@ -103,12 +112,18 @@ class Channel:
         period: float,
         axes: npt.NDArray[np.int64],
         window: Floats,
+        beside: BesidePath,
+        stop_before: StopBefore,
     ) -> None:
         self._axes = axes
         self._window = window
+        self.beside = beside
+        self.stop_before = stop_before
+        self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
+        self._rapid = queue.records["rapid"]
         self.interpolator = interpolator
         self.link = link
         self.functions = TechnologyFunctions(
@@ -144,6 +159,7 @@ class Channel:
         self._gate_index = -1
         self._gate_record: QueueRecord | None = None
         self._user_error_told = False
+        self._came_to_end = False  # of the program
         self._settling = 0.0  # s at the present #FLUSH WAIT
         self._actual = np.zeros(0)
         self._time = 0.0
@@ -151,19 +167,21 @@ class Channel:
 
     # ------------------------------------------------------------------ orders
 
-    def start(self, program: str, position: Floats, skip_levels: int) -> None:
-        """Begin `program` from the machine position (n_axes,); the caller has checked that the axes are ready."""
-        self.program = program
+    def start(self, order: StartOrder, *, locked: bool = False) -> None:
+        """Begin a program from its machine position (n_axes,); the caller has checked that the axes are ready."""
+        self.program = order.program
+        self.locked = locked
         self.program_ended = False
         self.error = None
-        self._told_failure = self._user_error_told = False
+        self._told_failure = self._user_error_told = self._came_to_end = False
         self._traced_index = -1
         self.block_counter = 0
         self.actions.begin()
         self.queue.discard_all()
-        self.interpolator.restart(position)
+        self.beside.begin()
+        self.interpolator.restart(order.start)
         self.functions.restart()
-        self.link.start(StartOrder(program, position, skip_levels))
+        self.link.start(order)
         self.phase = Phase.STARTING
 
     def abort(self) -> None:
@@ -172,12 +190,14 @@ class Channel:
             self._clear(drop=True)
         elif self.phase is Phase.RUNNING:
             self.interpolator.abort()
+            self.beside.stop()
             self.phase = Phase.ABORTING
 
     def abort_at_once(self, position: Floats) -> None:
         """The axes brake by themselves (quick stop, bus gone): drop the program, the path starts anew at `position`."""
         if self.phase in (Phase.STARTING, Phase.RUNNING, Phase.ABORTING):
             self._clear(drop=True)
+        self.beside.drop()
         self.interpolator.restart(position)
 
     def fail(self, entry: ErrorEntry) -> None:
@@ -193,6 +213,8 @@ class Channel:
         self._stop_spindles()
         self.functions.drop()
         self.actions.drop()
+        if self.phase is Phase.IDLE:
+            self.actions.life.save()
         if not self.restart_needed:
             self.error = None
 
@@ -259,31 +281,41 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
-        if inputs.axis_feed_hold:
-            stop |= _AXIS_FEED_HOLD
+        before = self.stop_before
+        before.step(inputs)
+        stop |= before.hold
         if not axes_ready:
             stop |= _AXIS_NOT_READY
         if self.functions.full:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        override = 1.0 if self._override_off() else inputs.override
+        override = 1.0 if self._on(self._no_override) else inputs.override
         if override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
-        path.step(override=override, feed_hold=held, single_block=inputs.single_block)
+        single = inputs.single_block or before.stop_at_block_ends
+        path.step(override=override, feed_hold=held, single_block=single)
+        life = self.actions.life
+        if life.wanted:
+            life.moves(path.path_position, self.period, self._on(self._rapid))
+        problem = self.beside.step(inputs, path, actual[self._axes])
+        if problem is not None:
+            self.problems.append(problem)
         passed = path.passed
         for index in passed:
             self._pass(index)
         self.functions.look_ahead(held=held or override == 0.0)
+        if life.wanted:
+            life.moved(path.path_position)
         if self.trace_blocks:
             self._trace_blocks(passed)
         stop |= self._gate(inputs, pressed)
         if path.apart and self.phase is Phase.RUNNING:
             self._tell_gap()
             self._clear(drop=True)
-        elif self.phase is Phase.ABORTING and path.aborted:
+        elif self.phase is Phase.ABORTING and path.aborted and self.beside.at_rest:
             self._clear(drop=True)
         elif self.phase is Phase.RUNNING and (path.starved or self._nothing_will_come()):
             stop |= self._out_of_blocks()
@@ -293,10 +325,18 @@ class Channel:
             self._event(kind, path.line, self._n, number=stop)
             self.stop_condition = stop
 
-    def _override_off(self) -> bool:
-        """The path is on an element for which every override counts as 100 %."""
+    def _place_of(self, index: int) -> float:
+        """Where along the path (mm) a record lies that was passed in this cycle."""
+        path, queue = self.interpolator, self.queue
+        if path.index < max(index, queue.read):  # the path stands at the end of the element before it
+            return path.path_position
+        elements = [i for i in range(index + 1, path.index + 1) if queue.kind(i) <= _LAST_MOTION]
+        return path.path_position + path.remaining - sum(float(queue.record(i)["length"]) for i in elements)
+
+    def _on(self, flags: npt.NDArray[np.int64]) -> bool:
+        """The path is on an element with this flag."""
         index = self.interpolator.index
-        return index >= self.queue.read and bool(self._no_override[index % self.queue.capacity])
+        return index >= self.queue.read and bool(flags[index % self.queue.capacity])
 
     def _out_of_blocks(self) -> int:
         """Nothing more is known: the preparation is behind, or it has failed and this is as far as the program goes."""
@@ -336,6 +376,8 @@ class Channel:
         if self._drops:
             self.functions.drop()
         self.functions.restart()
+        if not self._came_to_end:
+            self.actions.life.save()
         self._dwell_left = -1.0
         self._settling = 0.0
         self.program_ended = True
@@ -354,6 +396,10 @@ class Channel:
         gate = self._gate_record
         assert gate is not None
         if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
+            if not inputs.single_block:  # only to stop before what comes then: that is held by itself
+                if path.at_gate or self.stop_before.may_follow(inputs, path.gate):
+                    path.open_gate()
+                return _NONE
             if not path.at_gate:
                 return _NONE
             if pressed:
@@ -388,17 +434,44 @@ class Channel:
             return self._exact_stop()
         if gate.reason is GateReason.USER_ERROR:
             return self._user_error(gate)
+        if gate.reason in GATES:
+            return self._beside_path(gate, pressed)
         if gate.reason is GateReason.PROGRAM_END:
             if self.functions.end_waits:
                 return _WAIT_TECHNOLOGY
+            self.beside.finish()
+            if not self.beside.at_rest:
+                return _MANUAL
             self._event(EventKind.BLOCK_END, gate.line, gate.n)
             path.open_gate()
+            self._came_to_end = True
             self._clear(drop=False)
             return _NONE
         if pressed:
             path.open_gate()
             return _NONE
         return _WAIT_CONTINUE
+
+    def _beside_path(self, gate: QueueRecord, pressed: bool) -> int:
+        """Axes are moved by hand or homed while the path stands; then it goes on from where they are."""
+        path, beside = self.interpolator, self.beside
+        if axis := beside.moving_at_end(gate, pressed):
+            self.problems.append(Problem(machine.MANUAL_MOVING, {"axis": axis}, Place(self.program, gate.line)))
+        if self.phase is not Phase.RUNNING:
+            return _MANUAL
+        if not beside.at_rest:
+            self._settling = 0.0
+        settled = path.standstill and path.all_told and not self._settles(beside.offset)
+        if not (self.locked and gate.reason is GateReason.HOMING):  # axes that do not move cannot be homed
+            passage = beside.gate(gate, path, pressed, settled)
+            if not passage.open:
+                return passage.stop
+        self._settling = 0.0
+        if gate.reason is not GateReason.MANUAL_END:
+            taken = beside.take_over(path)
+            self.link.reach(path.position, self._actual[self._axes], taken)
+        path.open_gate()
+        return _NONE
 
     def _dwell(self, seconds: float) -> int:
         if self._dwell_left < 0.0:
@@ -413,33 +486,35 @@ class Channel:
     def _flush_wait(self) -> int:
         """The decoder goes on when functions of every kind and messages have been taken; it gets to know where the axes are."""
         path = self.interpolator
-        if not path.standstill or not path.all_told or self._settles():
+        if not path.standstill or not path.all_told or self._settles(self.beside.offset):
             return _NONE
         if self.functions.pending:
             return _WAIT_TECHNOLOGY
         if not self.actions.all_taken:
             return _MESSAGE
         self._settling = 0.0
-        self.link.reach(path.position, self._actual[self._axes])
+        self.link.reach(path.position, self._actual[self._axes], self.beside.offset)
         path.open_gate()
         return _NONE
 
     def _exact_stop(self) -> int:
         """However long it takes: an axis that never comes there keeps the path from going on."""
         path = self.interpolator
-        if not path.standstill or self._on_their_way():
+        if not path.standstill or self._on_their_way(self.beside.offset):
             return _EXACT_STOP
         path.open_gate()
         return _NONE
 
-    def _settles(self) -> bool:
+    def _settles(self, offset: Floats) -> bool:
         """The axes are still on their way to where the path stands, and have not yet taken too long for it."""
         self._settling += self.period
-        return self._settling < _SETTLED_AT_LAST and self._on_their_way()
+        return self._settling < _SETTLED_AT_LAST and self._on_their_way(offset)
 
-    def _on_their_way(self) -> bool:
-        """An axis is not yet within its window around where the path stands."""
-        lag = np.abs(self.interpolator.position - self._actual[self._axes])
+    def _on_their_way(self, offset: Floats) -> bool:
+        """An axis is not yet within its window around where it is sent to; `offset` (n_axes,) beside the path."""
+        if self.locked:
+            return False
+        lag = np.abs(self.interpolator.position + offset - self._actual[self._axes])
         return bool((lag > self._window).any())
 
     def _user_error(self, gate: QueueRecord) -> int:
@@ -462,7 +537,12 @@ class Channel:
         elif kind == _BLOCK_END:
             self.block_counter += 1
         elif kind == _ACTION:
-            self.actions.carry_out(read_record(self.queue, index))
+            record = read_record(self.queue, index)
+            if record.action in ACTIONS:
+                self.beside.act(record)
+            else:
+                place = self._place_of(index) if record.action is ActionKind.TOOL_LIFE else 0.0
+                self.actions.carry_out(record, place)
 
     # ------------------------------------------------------------------ events
 

@@ -73,6 +73,10 @@ class GateReason(IntEnum):
     MESSAGE = 7  # a message has to be taken
     USER_ERROR = 8  # #ERROR: the path goes no further
     EXACT_STOP = 9  # every axis within its window of standstill
+    MANUAL = 20  # G200: moved by hand until continue
+    MANUAL_END = 21  # G202: the motion by hand has ended
+    HOMING = 22  # G74: the axes have their reference
+    TAKE_OVER = 23  # the path goes on from where the axes are
 
 
 class ActionKind(IntEnum):
@@ -82,6 +86,9 @@ class ActionKind(IntEnum):
     TIMER = 1
     EXTERNAL = 2  # an external variable gets its value
     WARNING = 3  # #ERROR without consequences
+    TOOL_LIFE = 4
+    MANUAL_ON = 20  # G201
+    MANUAL_PARAMETER = 21
 
 
 RECORD = np.dtype(

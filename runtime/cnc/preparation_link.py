@@ -25,6 +25,7 @@ import numpy.typing as npt
 
 from runtime.cnc.decoder_reports import REPORTS_BYTES, DecoderReports
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
+from runtime.hli.layout import Mode
 
 AXES = 8
 TEXT = 400
@@ -61,6 +62,9 @@ _RECORD = np.dtype(
         ("start", "f8", (AXES,)),
         ("command", "f8", (AXES,)),  # positions at the place reached last
         ("actual", "f8", (AXES,)),
+        ("manual", "f8", (AXES,)),  # offsets by hand there
+        ("text", "i4"),  # 1: `program` is NC blocks
+        ("mode", "i4"),  # of the mode unit
         ("program", f"S{FILE}"),
         ("problem_file", f"S{FILE}"),
         ("problem_text", f"S{TEXT}"),
@@ -71,11 +75,16 @@ _RECORD = np.dtype(
 
 @dataclass(frozen=True, slots=True)
 class StartOrder:
-    """Which program, from which machine position (n_axes,), with which skip levels (bit n-1 = level n)."""
+    """Which program, from which machine position (n_axes,), with which skip levels (bit n-1 = level n), in which mode.
+
+    `text`: the program is NC blocks, and no file.
+    """
 
     program: str
     start: npt.NDArray[np.float64]
     skip_levels: int
+    mode: int = int(Mode.AUTOMATIC)
+    text: bool = False
 
 
 class Failure(NamedTuple):
@@ -118,6 +127,7 @@ class PreparationLink:
         record["program"][0] = order.program.encode()
         record["start"][0, : self._n_axes] = order.start
         record["skip_levels"][0] = order.skip_levels
+        record["mode"][0], record["text"][0] = order.mode, order.text
         record["state"][0] = PreparationState.RUNNING
         record["problem_id"][0] = 0
         record["reached"][0] = 0
@@ -156,9 +166,16 @@ class PreparationLink:
         """The decoder waits for something outside: no blocks will come meanwhile."""
         return bool(self._get("holds"))
 
-    def reach(self, command: npt.NDArray[np.float64], actual: npt.NDArray[np.float64]) -> None:
-        """The path stands at the next place of #FLUSH WAIT and everything is done; positions (n_axes,), machine coordinates."""
+    def reach(
+        self,
+        command: npt.NDArray[np.float64],
+        actual: npt.NDArray[np.float64],
+        manual: npt.NDArray[np.float64] | None = None,
+    ) -> None:
+        """The path stands at the next place where the decoder waits, and everything is done; positions (n_axes,), machine
+        coordinates, and the offsets by hand."""
         record = self._record
+        record["manual"][0, : self._n_axes] = 0.0 if manual is None else manual
         record["command"][0, : self._n_axes] = command
         record["actual"][0, : self._n_axes] = actual
         record["reached"][0] += np.uint32(1)
@@ -188,6 +205,8 @@ class PreparationLink:
             program=bytes(record["program"][0]).decode(),
             start=np.array(record["start"][0, : self._n_axes]),
             skip_levels=self._get("skip_levels"),
+            mode=self._get("mode"),
+            text=bool(self._get("text")),
         )
 
     @property
@@ -204,6 +223,11 @@ class PreparationLink:
     def actual_position(self) -> npt.NDArray[np.float64]:
         """Where the axes really were there, (n_axes,), mm or degrees."""
         return np.array(self._record["actual"][0, : self._n_axes])
+
+    @property
+    def manual_offsets(self) -> npt.NDArray[np.float64]:
+        """What the axes were moved by hand there, beside the path; (n_axes,), mm or degrees."""
+        return np.array(self._record["manual"][0, : self._n_axes])
 
     def set_holds(self, holds: bool) -> None:
         """Tell whether the decoder waits for something outside."""

@@ -20,7 +20,12 @@ class QueueRecord(NamedTuple):
     - the gate of a message: how many messages for the PLC stand up to here, and 1 if its receiver has to take it first;
     - a timer: its number, and its command (position in `TimerCommand`);
     - an external variable: its type (position in `runtime.hli.external.KINDS`), and its value; `offset` and `size` in bytes;
-    - an error: its number, and its remedy class.
+    - an error: its number, and its remedy class;
+    - tool life: its command (position in `LifeCommand`), and the distance (mm) or its factor; `seconds` the time (s) or its
+      factor; `offset`, `size`, `feed`: basic, sister and variant number.
+    - G200, G201, G202: the axes as bits; G74: four bits per axis, its turn;
+    - a parameter of manual mode: the axis, and the first value; `offset` its kind (position in `ManualValue`), `size` its stage,
+      `seconds` the second value.
     """
 
     kind: RecordKind

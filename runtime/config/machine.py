@@ -36,6 +36,7 @@ __all__ = [
     "Contradiction",
     "ContradictionError",
     "Drive",
+    "HomingSetup",
     "Location",
     "Machine",
     "UnitError",
@@ -125,6 +126,20 @@ class Drive(Model):
     )
 
 
+class HomingSetup(Model):
+    """How an axis finds its reference: at the end of a cam, which it looks for in `direction`.
+
+    The cam is the input `switch`, or the PLC tells it by the control unit reference_cam of the axis.
+    """
+
+    switch: str | None = None  # name of an input
+    direction: Literal["negative", "positive"] = "negative"
+    fast: Velocity
+    slow: Velocity
+    position: Length = 0.0  # of the axis where it leaves the cam
+    way: Annotated[Length, Field(gt=0)] | None = None  # greatest way in one direction; default: 1.1 times the travel
+
+
 class Axis(Model):
     """An axis or spindle and what it may be asked to do, in mm or, if it turns, degrees, and seconds."""
 
@@ -139,6 +154,8 @@ class Axis(Model):
     velocity_step: Annotated[float, _quantity("velocity"), Field(ge=0)] = 0.0  # allowed jump of velocity at a corner
     following_error: Annotated[Length, Field(gt=0)] = 5.0  # alarm above it
     in_position: Annotated[Length, Field(gt=0)] = 0.02  # window of standstill
+    jog_velocity: Velocity | None = None  # by hand, until the PLC or the program names another; default: a tenth
+    homing: HomingSetup | None = None  # None: the encoder is absolute, the axis has its reference always
     drive: Drive | None = None
 
     @model_validator(mode="after")

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from runtime.plc_logic import TON, NcFunction, Program, State, h_function, m_function, s_function, t_function
 
 MAGAZINE_PLACES = 8
+JOG_BUTTONS = [(f"jog_{axis}_plus", f"jog_{axis}_minus") for axis in "xyz"]  # the key pairs 1 to 3
 
 # Longest times of the machine's movements, s
 CLAMP_TIME = 2.0
@@ -105,6 +106,8 @@ class DemoMill(Program):
         self.channel.feed_hold = not safe or self.channel.operator.feed_hold
         if self.unsafe(IN=not safe).Q:
             self.alarm("door is open" if self.io.e_stop_ok else "emergency stop")
+        for key, (plus, minus) in enumerate(JOG_BUTTONS, 1):
+            self.channel.keys.press(key, getattr(self.io, plus) - getattr(self.io, minus))
         self.io.lamp_green = safe and self.channel.state is State.ACTIVE
         self.io.lamp_red = bool(self.alarms) or self.channel.error != 0
 

@@ -163,7 +163,7 @@ class DriveLink(NodeLink):
 
     def _publish(self, image: DriveImage, state: DriveState, velocity: float) -> None:
         image.state[self.axis] = state
-        image.actual_position[self.axis] = self._increments / self.increments_per_unit
+        image.actual_position[self.axis] = self._increments / self.increments_per_unit + image.origin[self.axis]
         image.actual_velocity[self.axis] = velocity
 
     def command(self, image: DriveImage, target: float, enable: bool, quick_stop: bool, reset_fault: bool) -> None:

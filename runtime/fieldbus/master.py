@@ -246,7 +246,7 @@ class CanopenMaster:
                 self._try_bus()
             return
         image = self.image
-        positions, velocities = image.target_position.tolist(), image.target_velocity.tolist()
+        positions, velocities = (image.target_position - image.origin).tolist(), image.target_velocity.tolist()
         enable, quick_stop, reset = image.enable.tolist(), image.quick_stop.tolist(), image.reset_fault.tolist()
         try:
             for link in self._drives:

@@ -9,12 +9,14 @@ operator the defaults hold: override 100 %, no feed hold, axes released (hli.mec
 from __future__ import annotations
 
 import ctypes
+import math
 from dataclasses import dataclass
 
 from runtime.diagnostics.errors import Problem
 from runtime.hli.layout import (
     Axis,
     AxisControl,
+    Blocked,
     BoolUnit,
     Channel,
     ChannelControl,
@@ -25,6 +27,7 @@ from runtime.hli.layout import (
 )
 from runtime.hli.memory import get_text, put_text
 from runtime.hli.modes import Wish
+from runtime.hli.units import LENGTH
 
 FULL_OVERRIDE = 1000  # 0.1 %
 
@@ -167,8 +170,8 @@ class ChannelCommands:
         self._status = channel.status
         self._control = control
         self._operator = operator
-        self._changes = Changes(control, "feedhold", "reset")
-        self._operator_changes = Changes(operator, "override_w", "reset_rw")
+        self._changes = Changes(control, "feedhold", "delete_distance_to_go")
+        self._operator_changes = Changes(operator, "override_w", "machine_lock_w")
         self._flags_before = (False, False)
         self._max_override = max_override
         self._continue = OneShot(control.continue_motion, operator, "continue_motion_rw")
@@ -181,6 +184,10 @@ class ChannelCommands:
         self.skip_levels = 0  # bit n-1 = level n
         self.continue_motion = False  # TRUE in one cycle only
         self.reset = False  # TRUE in one cycle only
+        self.machine_lock = False
+        self.read_disable = False
+        self.delete_distance = False  # TRUE in one cycle only
+        self._delete = OneShot(control.delete_distance_to_go)
 
     def sample(self) -> None:
         """Read what is commanded in this cycle and report it in the `state_r` of the units."""
@@ -188,7 +195,7 @@ class ChannelCommands:
         flags = (present, waits)
         changed = self._changes.look() | self._operator_changes.look()
         if flags == self._flags_before and not changed:
-            self.continue_motion = self.reset = False
+            self.continue_motion = self.reset = self.delete_distance = False
             return
         self._flags_before = flags
         control, operator = self._control, self._operator
@@ -205,6 +212,9 @@ class ChannelCommands:
         if not waits:
             self._continue.withdraw()
         self.reset = self._reset.sample(present)
+        self.machine_lock = sample_bool(control.machine_lock, present, bool(operator.machine_lock_w))
+        self.read_disable = sample_bool(control.read_disable, present, False)
+        self.delete_distance = self._delete.sample(present)
 
 
 class AxisCommands:
@@ -218,9 +228,14 @@ class AxisCommands:
         self._changes = Changes(control, "drive_on", "override_valid")
         self._present_before: bool | None = None
         self._reset = OneShot(control.reset)
-        self.drive_on = True
+        self.drive_on = True  # with torque permission, and no follow-up
         self.release = True  # feed enable
         self.feed_hold = False
+        self.parked = False  # wanted; taken over while no program runs
+        self.blocked = 0  # Blocked
+        self.reference_cam: bool | None = None  # None: the PLC does not tell
+        self.limits: tuple[float, float] | None = None  # dynamic ones, mm or degrees
+        self.lag_monitored = True
         self.override = 1.0  # spindles and axes moved alone
         self.reset = False  # TRUE in one cycle only
 
@@ -236,9 +251,17 @@ class AxisCommands:
             return False
         self._present_before = present
         control = self._control
-        self.drive_on = sample_bool(control.drive_on, present, True)
+        self.parked = sample_bool(control.parked, present, False)
+        on = sample_bool(control.drive_on, present, True)
+        torque = sample_bool(control.torque_permission, present, True)
+        self.drive_on = on and torque and not sample_bool(control.follow_up, present, False)
         self.release = sample_bool(control.release_feedhold, present, True)
         self.feed_hold = sample_bool(control.feedhold, present, False)
+        self.blocked = sample_uns32(control.directional_feedhold, present, 0) & (Blocked.PLUS | Blocked.MINUS)
+        cam = sample_bool(control.reference_cam, present, False)
+        self.reference_cam = cam if present and control.reference_cam.enable_w else None
+        self.lag_monitored = not sample_bool(control.lag_monitoring_off, present, False)
+        self.limits = self._dynamic_limits(present)
         override = min(sample_uns32(control.override, present, FULL_OVERRIDE), self._max_override)
         if not sample_bool(control.override_valid, present, True):
             override = FULL_OVERRIDE
@@ -246,3 +269,25 @@ class AxisCommands:
         self.override = override / FULL_OVERRIDE
         self.reset = self._reset.sample(present)
         return True
+
+    def show_parked(self, parked: bool) -> None:
+        """Whether the axis is really out of use."""
+        unit = self._control.parked
+        if unit.state_r != parked:
+            unit.state_r = parked
+
+    def show_limits(self, state: int) -> None:
+        """How the axis stands to its dynamic limits."""
+        for unit in (self._control.dyn_pos_limit_low, self._control.dyn_pos_limit_high):
+            if unit.state_r != state:
+                unit.state_r = state
+
+    def _dynamic_limits(self, present: bool) -> tuple[float, float] | None:
+        low, high = self._control.dyn_pos_limit_low, self._control.dyn_pos_limit_high
+        if not present or not (low.enable_w or high.enable_w):
+            low.state_r = high.state_r = 0
+            return None
+        return (
+            low.command_w * LENGTH if low.enable_w else -math.inf,
+            high.command_w * LENGTH if high.enable_w else math.inf,
+        )

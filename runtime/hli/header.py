@@ -27,7 +27,15 @@ _C_TYPES: dict[type, str] = {
     c.c_uint32: "uint32_t",
     c.c_uint64: "uint64_t",
 }
-_ENUMS = (layout.Mode, layout.State, layout.StopCondition, layout.AxisState)
+_ENUMS = (
+    layout.Mode,
+    layout.State,
+    layout.StopCondition,
+    layout.AxisState,
+    layout.ManualMode,
+    layout.ManualState,
+    layout.Blocked,
+)
 
 
 def _structures(kind: Any) -> Iterator[type[c.Structure]]:

@@ -28,6 +28,9 @@ TEXT = 240
 LONG_TEXT = 1000
 MESSAGE_TEXT = 256  # of a message of the NC program, with its end mark
 TIMERS = 128  # counters of #TIMER
+KEYS = 8  # units of key presses, which may be given at the same time
+KEY_PAIRS = 32  # logical key pairs, from 1
+HANDWHEELS = 8  # logical handwheels, from 1
 TOOL_OFFSETS = 32  # axis offsets of a tool
 TOOL_PARAMETERS = 60  # free values of a tool
 TOOL_KIN_PARAMETERS = 70
@@ -36,6 +39,7 @@ EXTERNAL_BYTES = 65536  # area of the external variables
 EXTERNAL_NAMES = 1024  # external variables and elements of structures with a name
 EXTERNAL_PATH = 96
 EXTERNAL_INDICES = 6
+JOBS = 16  # axis jobs whose state is still told
 MAGIC = 0x314D444E4154  # "TANDM1"
 VERSION = "1.0"  # of the layout; its hash tells every other difference
 
@@ -80,6 +84,35 @@ class StopCondition(IntFlag):
     MESSAGE = 0x1000  # a message has to be taken: by SYN_ACK, by #FLUSH WAIT, or since ten of them wait
     PROGRAM_WAITS = 0x2000  # nothing is known as the decoder waits for something outside (#WAIT FOR, ACK)
     EXACT_STOP = 0x4000  # an axis is not yet within its window of standstill
+    MANUAL = 0x8000  # G200: the axes are moved by hand until continue; or G202: such a motion ends
+    HOMING = 0x10000  # axes look for their reference
+    READ_DISABLE = 0x20000  # the PLC keeps the interpolator from taking blocks
+    AXIS_LIMIT = 0x40000  # an axis would leave its dynamic limits, or move in a blocked direction
+
+
+class ManualMode(IntEnum):
+    """How an axis is moved by hand (`operation_mode`)."""
+
+    NONE = 0
+    HANDWHEEL = 1  # any way, at any speed
+    CONTINUOUS = 2  # as long as the key is pressed
+    INCREMENTAL = 3  # one increment per press
+    INTERRUPTIBLE = 4  # the same, but it ends when the key is released (our number)
+
+
+class ManualState(IntEnum):
+    """`state_r` of the display of manual mode."""
+
+    OFF = 0
+    RELEASED = 1  # by G200 or G201, without an element
+    LINKED = 2  # with an element
+
+
+class Blocked(IntEnum):
+    """Bits of the directional feed hold of an axis."""
+
+    PLUS = 1
+    MINUS = 2
 
 
 class AxisState(IntEnum):
@@ -89,6 +122,70 @@ class AxisState(IntEnum):
     ACTIVE = 3
     HOLD = 5  # also: tracking, or the drive is not enabled
     ERROR = 7
+
+
+class AxisFunction(IntEnum):
+    """Jobs of an axis: the motion blocks of PLCopen part 1."""
+
+    STOP = 1
+    HALT = 2
+    MOVE_ABSOLUTE = 3
+    MOVE_RELATIVE = 4
+    MOVE_ADDITIVE = 5
+    MOVE_SUPERIMPOSED = 6
+    MOVE_VELOCITY = 7
+    GEAR_IN = 8
+    GEAR_OUT = 9
+    PHASING = 10
+    TOUCH_PROBE = 11
+    ABORT_TRIGGER = 12
+    HOME = 13
+    RESET = 14
+
+
+class BufferMode(IntEnum):
+    """When a job begins that finds another one (mcBufferMode of PLCopen)."""
+
+    ABORTING = 0
+    BUFFERED = 1
+    BLENDING_LOW = 2
+    BLENDING_PREVIOUS = 3
+    BLENDING_NEXT = 4
+    BLENDING_HIGH = 5
+
+
+class Direction(IntEnum):
+    """Way of an absolute motion, and sense of an endless one."""
+
+    POSITIVE = 1
+    SHORTEST = 2
+    NEGATIVE = 3
+    CURRENT = 4
+
+
+class JobState(IntEnum):
+    """What became of a job."""
+
+    NONE = 0
+    BUSY = 1  # taken, another one is still before it
+    ACTIVE = 2
+    REACHED = 3  # goes on, and has its velocity or its gear
+    DONE = 4
+    ABORTED = 5  # by another job
+    ERROR = 6
+
+
+class MotionState(IntEnum):
+    """State of an axis in the state diagram of PLCopen part 1."""
+
+    DISABLED = 0
+    STANDSTILL = 1
+    HOMING = 2
+    STOPPING = 3
+    DISCRETE_MOTION = 4
+    CONTINUOUS_MOTION = 5
+    SYNCHRONIZED_MOTION = 6
+    ERROR_STOP = 7
 
 
 # --------------------------------------------------------------------------------------------- control units
@@ -108,6 +205,128 @@ class Uns32Unit(c.Structure):
         ("command_w", c.c_uint32),
         ("state_r", c.c_uint32),
         ("enable_w", c.c_bool),
+    ]
+
+
+class Sgn32Unit(c.Structure):
+    """Control unit without usage check, SGN32; `state_r` tells what is in force, in a unit of its own."""
+
+    _fields_ = [
+        ("request_r", c.c_int32),
+        ("command_w", c.c_int32),
+        ("state_r", c.c_int32),
+        ("enable_w", c.c_bool),
+    ]
+
+
+class Activation(c.Structure):
+    """Links a control element to an axis; `control_element` 0 takes it away. `parameter_set` 0 are the values of the
+    parameter units, 1 to 3 the stages of #HANDWHEEL, #JOG CONT and #JOG INCR."""
+
+    _fields_ = [
+        ("log_ax_n", c.c_uint16),
+        ("control_element", c.c_uint16),  # logical key pair or handwheel
+        ("operation_mode", c.c_uint16),  # ManualMode
+        ("parameter_set", c.c_uint16),
+    ]
+
+
+class JogParameter(c.Structure):
+    """What an axis does at a key press or a pulse; a value of 0 is left as it was."""
+
+    _fields_ = [
+        ("log_ax_n", c.c_uint16),
+        ("width", c.c_int32),  # incremental: 0.1 µm; handwheel: 0.1 µm per pulse
+        ("velocity", c.c_int32),  # continuous and incremental: 1 µm/s
+    ]
+
+
+class KeyPress(c.Structure):
+    """A key of a pair: `direction` 1 or -1 is pressed, 0 released. It is released by itself after `hold_time` (µs, 0 never),
+    so that nobody who has gone keeps an axis moving: who presses renews it."""
+
+    _fields_ = [("key", c.c_uint16), ("direction", c.c_int16), ("hold_time", c.c_uint32)]
+
+
+class ActivationUnit(c.Structure):
+    """Control unit with usage check; what came of it shows in the display of manual mode."""
+
+    _fields_ = [
+        ("request_r", Activation),
+        ("command_w", Activation),
+        ("enable_w", c.c_bool),
+        ("request_semaphor_rw", c.c_bool),
+        ("command_semaphor_rw", c.c_bool),
+    ]
+
+
+class JogParameterUnit(c.Structure):
+    """Control unit with usage check; the values are those of set 0 from the next activation on."""
+
+    _fields_ = [
+        ("request_r", JogParameter),
+        ("command_w", JogParameter),
+        ("enable_w", c.c_bool),
+        ("request_semaphor_rw", c.c_bool),
+        ("command_semaphor_rw", c.c_bool),
+    ]
+
+
+class KeyUnit(c.Structure):
+    """Control unit with usage check for key presses."""
+
+    _fields_ = [
+        ("request_r", KeyPress),
+        ("command_w", KeyPress),
+        ("enable_w", c.c_bool),
+        ("request_semaphor_rw", c.c_bool),
+        ("command_semaphor_rw", c.c_bool),
+    ]
+
+
+class OperatorActivation(c.Structure):
+    """The operator's side of an activation: he raises the flag, the CNC lowers it."""
+
+    _fields_ = [("data_w", Activation), ("semaphor_rw", c.c_bool)]
+
+
+class OperatorJogParameter(c.Structure):
+    """The operator's side of the parameters of manual mode."""
+
+    _fields_ = [("data_w", JogParameter), ("semaphor_rw", c.c_bool)]
+
+
+class OperatorKey(c.Structure):
+    """The operator's side of a key press."""
+
+    _fields_ = [("data_w", KeyPress), ("semaphor_rw", c.c_bool)]
+
+
+class ManualControl(c.Structure):
+    """Control units of manual mode (hb_mc_control); `handwheel_w` counts pulses, up and down, through the overflow."""
+
+    _fields_ = [
+        ("activation", ActivationUnit),
+        ("handwheel_parameter", JogParameterUnit),
+        ("continuous_parameter", JogParameterUnit),
+        ("jog_parameter", JogParameterUnit),
+        ("key", KeyUnit * KEYS),
+        ("handwheel_w", c.c_int32 * HANDWHEELS),
+    ]
+
+
+class ManualDisplay(c.Structure):
+    """How an axis of the channel can be moved by hand, and how far it was (hb_display_r)."""
+
+    _fields_ = [
+        ("state_r", c.c_uint32),  # ManualState
+        ("operation_mode_r", c.c_uint32),  # ManualMode
+        ("control_element_r", c.c_uint32),
+        ("hr_aufloesung_r", c.c_int32),  # 0.1 µm per pulse
+        ("tipp_geschw_r", c.c_int32),  # 1 µm/s, continuous
+        ("jog_geschw_r", c.c_int32),  # 1 µm/s, incremental
+        ("jog_weg_r", c.c_int32),  # 0.1 µm
+        ("offset_r", c.c_int64),  # 0.1 µm: way by hand that is not part of the path
     ]
 
 
@@ -163,6 +382,13 @@ class OperatorUnit(c.Structure):
         ("optional_stop_w", c.c_bool),
         ("continue_motion_rw", c.c_bool),  # the operator raises it, the CNC lowers it
         ("reset_rw", c.c_bool),
+        ("machine_lock_w", c.c_bool),
+        ("activation", OperatorActivation),
+        ("handwheel_parameter", OperatorJogParameter),
+        ("continuous_parameter", OperatorJogParameter),
+        ("jog_parameter", OperatorJogParameter),
+        ("key", OperatorKey),
+        ("handwheel_w", c.c_int32 * HANDWHEELS),  # added to what the PLC counts
     ]
 
 
@@ -418,6 +644,10 @@ class ChannelControl(c.Structure):
         ("optional_stop", BoolUnit),
         ("program_block_ignore", Uns32Unit),  # skip levels, bit n-1 = level n
         ("reset", BoolUnit),
+        ("machine_lock", BoolUnit),  # from the start of a program on, no axis moves; spindles and functions do
+        ("read_disable", BoolUnit),
+        ("delete_distance_to_go", BoolUnit),
+        ("manual", ManualControl),
     ]
 
 
@@ -446,6 +676,8 @@ class ChannelStatus(c.Structure):
         ("prepared_blocks_r", c.c_uint32),  # elements in the motion queue
         ("waiting_functions_r", c.c_uint32),  # technology functions not yet acknowledged
         ("error_id_r", c.c_uint32),  # of the error that stopped the channel, 0 none
+        ("machine_locked_r", c.c_bool),
+        ("hb_display_r", ManualDisplay * MAX_CHANNEL_AXES),
         (
             "techno_path_to_go_r",
             c.c_uint32,
@@ -476,14 +708,74 @@ class Channel(c.Structure):
     ]
 
 
+class AxisJob(c.Structure):
+    """A job for one axis; what a function does not need is 0. Dynamics of 0 or less are those of the axis."""
+
+    _fields_ = [
+        ("number", c.c_uint32),  # counts the PLC's jobs of the axis from 1; its state stands at number % JOBS
+        ("function", c.c_uint16),  # AxisFunction
+        ("buffer_mode", c.c_uint16),
+        ("direction", c.c_uint16),
+        ("mode", c.c_uint16),  # gear: 0 command values, 128 actual values; probe: 1 falling, 2 rising edge
+        ("master", c.c_uint16),  # logical axis number; probe: number of the input, from 1
+        ("position", c.c_int64),  # 0.1 µm: position, distance or phase
+        ("velocity", c.c_int64),  # 1 µm/s
+        ("acceleration", c.c_double),  # mm/s² or degrees/s²
+        ("deceleration", c.c_double),
+        ("jerk", c.c_double),  # mm/s³ or degrees/s³
+        ("numerator", c.c_double),  # gear: velocity of the slave = that of the master * numerator / denominator
+        ("denominator", c.c_double),
+    ]
+
+
+class JobAnswer(c.Structure):
+    """What became of a job; `number_r` is written last."""
+
+    _fields_ = [
+        ("state_r", c.c_uint32),  # JobState
+        ("error_r", c.c_uint32),  # id of the error, 0 none
+        ("position_r", c.c_int64),  # 0.1 µm: recorded by the probe
+        ("number_r", c.c_uint32),
+    ]
+
+
+class AxisJobUnit(c.Structure):
+    """The slot for jobs of an axis, one per PLC cycle: the PLC fills it and raises the flag, the CNC takes and lowers it.
+
+    Only a stop may overwrite what waits. `stop_hold_w`: the axis stays in the state Stopping.
+    """
+
+    _fields_ = [
+        ("command_w", AxisJob),
+        ("command_semaphor_rw", c.c_bool),
+        ("stop_hold_w", c.c_bool),
+        ("motion_state_r", c.c_uint32),  # MotionState
+        ("error_id_r", c.c_uint32),  # why the axis is in ErrorStop, 0 it is not
+        ("commands_taken_r", c.c_uint32),
+        ("answers_r", JobAnswer * JOBS),
+    ]
+
+
 class AxisControl(c.Structure):
-    """Control units of an axis."""
+    """Control units of an axis.
+
+    The limits are those of the machine description where the PLC does not claim them; their `state_r` is 0 without a
+    limit, 1 inside, 2 at the limit, -1 beyond it.
+    """
 
     _fields_ = [
         ("drive_on", BoolUnit),
+        ("torque_permission", BoolUnit),  # the drive is enabled with both
         ("release_feedhold", BoolUnit),
         ("feedhold", BoolUnit),
         ("reset", BoolUnit),
+        ("follow_up", BoolUnit),  # tracking: the drive is not enabled, the set-point is the actual position
+        ("parked", BoolUnit),  # out of use: programs start without the axis; taken over while no program runs
+        ("directional_feedhold", Uns32Unit),  # Blocked
+        ("reference_cam", BoolUnit),  # the axis is on its reference cam
+        ("dyn_pos_limit_low", Sgn32Unit),  # 0.1 µm or 0.0001 degrees
+        ("dyn_pos_limit_high", Sgn32Unit),
+        ("lag_monitoring_off", BoolUnit),
         ("override", Uns32Unit),  # spindles and axes moved alone, 0.1 %
         ("override_valid", BoolUnit),
     ]
@@ -535,6 +827,7 @@ class Axis(c.Structure):
         ("control", AxisControl),
         ("status", AxisStatus),
         ("spindle", SpindleStatus),
+        ("job", AxisJobUnit),
         ("lc_reset", LcUnit),
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),

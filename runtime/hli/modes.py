@@ -12,6 +12,7 @@ step is done. Nothing here keeps state: mode and state are the channel's.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
@@ -19,7 +20,9 @@ from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import Problem
 from runtime.hli.layout import Mode, State
 
-AVAILABLE_MODES = (Mode.STANDBY, Mode.AUTOMATIC)
+# What is loaded where the order names nothing: a text of NC blocks, in HOMING the name of a program
+DEFAULT_PARAMETER = {Mode.MANUAL: "G200", Mode.HOMING: "rpf.nc"}
+_ENDS_BY_HAND = re.compile(r"\bG0*200\b[^;(\r\n]*$", re.IGNORECASE)
 
 
 class Action(Enum):
@@ -41,7 +44,7 @@ class Wish:
 
     to_mode: int
     to_state: int
-    parameter: str = ""  # NC program, needed to load
+    parameter: str = ""  # NC program, in MDI, MANUAL and HOMING NC blocks; needed to load
     from_mode: int = 0
     from_state: int = 0
 
@@ -65,7 +68,7 @@ class Refusal:
     problem: Problem
 
 
-# AUTOMATIC: (state, wanted state) -> (action, state after it). A step that does not reach the wanted state is a step
+# Every mode but STANDBY: (state, wanted state) -> (action, state after it). A step that does not reach the wanted one is a step
 # on the way.
 STEPS: dict[tuple[State, State], tuple[Action, State]] = {
     (State.SELECTED, State.READY): (Action.LOAD, State.READY),
@@ -114,7 +117,7 @@ def _after_first(wish: Wish) -> Wish:
 def _refuse(mode: Mode, state: State, wish: Wish) -> Refusal | None:
     """Everything that speaks against the order as a whole, so that none of it is done by half."""
     names: dict[str, object] = {"mode": mode.name, "state": state.name}
-    if wish.to_mode not in AVAILABLE_MODES:
+    if wish.to_mode not in list(Mode):
         return Refusal(Problem(catalogue.MODE_NOT_AVAILABLE, {"mode": _name(Mode, wish.to_mode)}))
     to: dict[str, object] = {"to_mode": _name(Mode, wish.to_mode), "to_state": _name(State, wish.to_state)}
     no_way = Refusal(Problem(catalogue.MODE_TRANSITION, names | to))
@@ -140,9 +143,27 @@ def _refuse(mode: Mode, state: State, wish: Wish) -> Refusal | None:
         state = State.SELECTED  # where the new mode begins
     if to_state is not state and (state, to_state) not in STEPS:
         return no_way
-    if state is State.SELECTED and to_state in (State.READY, State.ACTIVE) and not wish.parameter:
-        return Refusal(Problem(catalogue.MODE_NO_PROGRAM))
+    if to_state in (State.READY, State.ACTIVE):
+        if state is State.SELECTED and not wish.parameter and to_mode not in DEFAULT_PARAMETER:
+            return Refusal(Problem(catalogue.MODE_NO_PROGRAM))
+        if to_mode is Mode.MANUAL and wish.parameter and not _ENDS_BY_HAND.search(wish.parameter.strip()):
+            return Refusal(Problem(catalogue.MODE_MANUAL_TEXT))
     return None
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What a mode executes when it is started: a program file, or the NC blocks themselves."""
+
+    mode: Mode
+    content: str
+    text: bool  # the content is NC blocks
+
+
+def work_of(mode: Mode, parameter: str) -> Work:
+    """The work of `mode` with the parameter it was loaded with."""
+    text = mode in (Mode.MDI, Mode.MANUAL) or (mode is Mode.HOMING and bool(parameter))
+    return Work(mode, parameter or DEFAULT_PARAMETER.get(mode, ""), text)
 
 
 def _name(of: type[Mode] | type[State], value: int) -> str:

@@ -11,12 +11,21 @@ from contextlib import contextmanager
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Severity, TandemError
 from runtime.hli.errors import HliError
-from runtime.hli.layout import Mode, State
+from runtime.hli.layout import (
+    ManualMode,
+    Mode,
+    OperatorActivation,
+    OperatorJogParameter,
+    OperatorKey,
+    State,
+)
 from runtime.hli.memory import SHARED_MEMORY, HliMemory, get_text, put_text
 from runtime.hli.modes import Wish
+from runtime.hli.units import LENGTH, SPEED, to_int32
 
 PATIENCE = 2.0  # s until an order counts as not answered
 POLL = 0.002
+KEY_HOLD = 0.3  # s that a press holds by itself
 
 
 class OrderRefusedError(TandemError):
@@ -38,6 +47,18 @@ class Operator:
     def start(self, program: str) -> None:
         """Start an NC program in AUTOMATIC. Raises OrderRefusedError, or HliError if nobody answers."""
         self.order(Wish(Mode.AUTOMATIC, State.ACTIVE, program))
+
+    def execute(self, blocks: str) -> None:
+        """Execute NC blocks in MDI, separated by line feeds. Raises as `start`."""
+        self.order(Wish(Mode.MDI, State.ACTIVE, blocks))
+
+    def manual(self, blocks: str = "") -> None:
+        """Select MANUAL; `blocks` go before, with G200 as the last of them. Raises as `start`."""
+        self.order(Wish(Mode.MANUAL, State.ACTIVE, blocks))
+
+    def home(self, blocks: str = "") -> None:
+        """Home the axes that the NC blocks name, or start the program rpf.nc. Raises as `start`."""
+        self.order(Wish(Mode.HOMING, State.ACTIVE, blocks))
 
     def stop(self) -> None:
         """Stop on the path and end the program."""
@@ -90,9 +111,47 @@ class Operator:
         """M01 stops."""
         self._unit.optional_stop_w = on
 
+    def machine_lock(self, on: bool) -> None:
+        """No axis moves in the programs that are started from now on."""
+        self._unit.machine_lock_w = on
+
     def skip_levels(self, mask: int) -> None:
         """Block skip: bit n-1 = level n."""
         self._unit.program_block_ignore_w = mask
+
+    # ------------------------------------------------------------------ manual mode
+
+    def press(self, key: int, direction: int, hold: float = KEY_HOLD) -> None:
+        """Press a key of a pair (direction 1 or -1) or release it (0). It is released by itself after `hold` s: renew it."""
+        unit = self._unit.key
+        self._hand_over(unit, key=key, direction=direction, hold_time=round(hold * 1e6))
+
+    def link(self, axis: int, element: int, mode: ManualMode, stage: int = 0) -> None:
+        """Link a key pair or handwheel to the axis with a logical number."""
+        self._hand_over(
+            self._unit.activation, log_ax_n=axis, control_element=element, operation_mode=int(mode), parameter_set=stage
+        )
+
+    def jog_parameter(self, unit: str, axis: int, width: float = 0.0, velocity: float = 0.0) -> None:
+        """Values of `handwheel_parameter`, `continuous_parameter` or `jog_parameter`, mm or degrees and seconds; 0 keeps."""
+        values = {"width": to_int32(width, LENGTH), "velocity": to_int32(velocity, SPEED)}
+        self._hand_over(getattr(self._unit, unit), log_ax_n=axis, **values)
+
+    def turn(self, handwheel: int, pulses: int) -> None:
+        """Turn a handwheel (from 1)."""
+        counts = self._unit.handwheel_w
+        counts[handwheel - 1] = (counts[handwheel - 1] + pulses + 2**31) % 2**32 - 2**31
+
+    def _hand_over(self, unit: OperatorKey | OperatorActivation | OperatorJogParameter, **values: int) -> None:
+        """Fill a unit and raise its flag, when the CNC has taken what was in it."""
+        with _one_at_a_time(self._memory.name):
+            for _ in range(round(PATIENCE / POLL)):
+                if not unit.semaphor_rw:
+                    break
+                self._sleep(POLL)
+            for name, value in values.items():
+                setattr(unit.data_w, name, value)
+            unit.semaphor_rw = True
 
     # ------------------------------------------------------------------ once
 

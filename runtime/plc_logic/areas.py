@@ -7,14 +7,23 @@ gives the unit back to the operator. Units: mm or degrees, seconds, percent, rev
 
 from __future__ import annotations
 
+from collections import deque
+
+from runtime.hli.axis_jobs import JobGiver
 from runtime.hli.layout import (
+    KEYS,
+    MAX_AXES,
     Axis,
     AxisControl,
     AxisState,
     BoolUnit,
     Channel,
     ChannelControl,
+    ManualControl,
+    ManualMode,
     Mode,
+    MotionState,
+    Sgn32Unit,
     State,
     StopCondition,
     Uns32Unit,
@@ -23,7 +32,7 @@ from runtime.hli.memory import get_text, put_text
 from runtime.hli.messages import MessageTaker, Offered
 from runtime.hli.modes import Wish
 from runtime.hli.tools import ToolStore
-from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED
+from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED, to_int32
 
 
 class _Area:
@@ -31,9 +40,9 @@ class _Area:
 
     def __init__(self, control: ChannelControl | AxisControl) -> None:
         self._control = control
-        self._units: dict[str, BoolUnit | Uns32Unit] = {}  # views are made once
+        self._units: dict[str, BoolUnit | Uns32Unit | Sgn32Unit] = {}  # views are made once
 
-    def _unit(self, name: str) -> BoolUnit | Uns32Unit:
+    def _unit(self, name: str) -> BoolUnit | Uns32Unit | Sgn32Unit:
         unit = self._units.get(name)
         if unit is None:
             unit = self._units[name] = getattr(self._control, name)
@@ -54,6 +63,7 @@ class _Command:
 # Members by their numbers: making one from a number costs ten times as much as looking it up.
 _MODES = {int(mode): mode for mode in Mode}
 _STATES = {int(state): state for state in State}
+_MOTION_STATES = {int(state): state for state in MotionState}
 _RUNS = (int(State.ACTIVE), int(State.HOLD))
 _AXIS_STATES = {0: AxisState.HOLD} | {int(state): state for state in AxisState}
 
@@ -82,6 +92,30 @@ class PercentCommand(_Command):
         unit.enable_w = True
 
 
+class MaskCommand(_Command):
+    """A control value that is a mask of bits."""
+
+    def __get__(self, area: _Area, owner: type[_Area]) -> int:
+        return int(area._unit(self._name).state_r)
+
+    def __set__(self, area: _Area, value: int) -> None:
+        unit = area._unit(self._name)
+        unit.command_w = int(value)
+        unit.enable_w = True
+
+
+class LengthCommand(_Command):
+    """A control value in mm or degrees. Reading gives the state: 0 no limit, 1 inside, 2 at it, -1 beyond it."""
+
+    def __get__(self, area: _Area, owner: type[_Area]) -> int:
+        return int(area._unit(self._name).state_r)
+
+    def __set__(self, area: _Area, value: float) -> None:
+        unit = area._unit(self._name)
+        unit.command_w = to_int32(value, LENGTH)
+        unit.enable_w = True
+
+
 class _OneShot:
     """A command that the CNC confirms in `state_r`; the PLC takes it back then."""
 
@@ -99,6 +133,47 @@ class _OneShot:
             self._unit.command_w = False
             self._unit.enable_w = False  # the unit is the operator's again
             self._given = False
+
+
+class Keys:
+    """Key pairs of manual mode that the program presses; a press stands until it is taken back.
+
+    A unit is claimed only until its press is taken, so the operator's keys go on beside it.
+    """
+
+    def __init__(self, control: ManualControl) -> None:
+        self._units = [control.key[i] for i in range(KEYS)]
+        self._wanted: dict[int, int] = {}
+        self._given: dict[int, int] = {}
+        self._claimed = False  # a unit may be
+
+    def press(self, key: int, direction: int) -> None:
+        """`direction` 1 or -1 is pressed, 0 released; to be called in every cycle, or when it changes."""
+        self._wanted[key] = max(-1, min(direction, 1))
+
+    def update(self) -> None:
+        """End of a PLC cycle: hand over what has changed, pass on what the operator has pressed in a claimed unit."""
+        changed = [(key, wanted) for key, wanted in self._wanted.items() if self._given.get(key, 0) != wanted]
+        if not (changed or self._claimed):
+            return
+        self._claimed = False
+        for unit in self._units:
+            if unit.command_semaphor_rw:
+                self._claimed = True
+                continue  # not taken yet
+            if changed:
+                self._claimed = True
+                key, direction = changed.pop()
+                unit.command_w.key, unit.command_w.direction, unit.command_w.hold_time = key, direction, 0
+                unit.enable_w = unit.command_semaphor_rw = True
+                self._given[key] = direction
+            elif unit.enable_w and not unit.request_semaphor_rw:
+                unit.enable_w = False
+            elif unit.request_semaphor_rw:
+                self._claimed = True
+                unit.command_w = unit.request_r
+                unit.request_semaphor_rw = False
+                unit.enable_w = unit.command_semaphor_rw = True
 
 
 class OperatorWishes:
@@ -153,6 +228,8 @@ class ChannelPort(_Area):
     override = PercentCommand("override", "Feed override, percent.")
     single_block = BoolCommand("single_block", "Wait for continue_motion() after each block.")
     optional_stop = BoolCommand("optional_stop", "M01 stops.")
+    machine_lock = BoolCommand("machine_lock", "From the next program start on no axis moves.")
+    read_disable = BoolCommand("read_disable", "Keep the interpolator from taking blocks.")
 
     def __init__(self, channel: Channel) -> None:
         super().__init__(channel.control)
@@ -161,6 +238,10 @@ class ChannelPort(_Area):
         self._modes = channel.control.mode_and_state
         self._continue = _OneShot(channel.control.continue_motion)
         self._reset = _OneShot(channel.control.reset)
+        self._delete = _OneShot(channel.control.delete_distance_to_go)
+        self.keys = Keys(channel.control.manual)
+        self._handwheels = channel.control.manual.handwheel_w
+        self._activations: deque[tuple[int, int, int, int]] = deque(maxlen=MAX_AXES)
         self._messages = MessageTaker(channel)
         self.tools = ToolStore(channel)  # for an external tool management: requests, answers, tool life
         self._waiting: Wish | None = None
@@ -174,9 +255,36 @@ class ChannelPort(_Area):
         """Start an NC program in AUTOMATIC. A newer order replaces one that the CNC has not yet taken."""
         self._waiting = Wish(Mode.AUTOMATIC, State.ACTIVE, program)
 
+    def execute(self, blocks: str) -> None:
+        """Execute NC blocks in MDI."""
+        self._waiting = Wish(Mode.MDI, State.ACTIVE, blocks)
+
+    def manual(self, blocks: str = "") -> None:
+        """Select MANUAL: the axes are moved by keys and handwheels, until `stop`. `blocks` go before, G200 as the last."""
+        self._waiting = Wish(Mode.MANUAL, State.ACTIVE, blocks)
+
+    def home(self, blocks: str = "") -> None:
+        """Home the axes that the NC blocks name ("G74 Z1 X2 Y2"); without any the program rpf.nc does."""
+        self._waiting = Wish(Mode.HOMING, State.ACTIVE, blocks)
+
     def stop(self) -> None:
         """Stop on the path and end the program."""
         self._waiting = Wish(self.mode, State.SELECTED)
+
+    # ------------------------------------------------------------------ manual mode
+
+    def link(self, axis: int, element: int, mode: ManualMode, stage: int = 0) -> None:
+        """Link a key pair or handwheel to the axis with a logical number; takes effect while the axis is released."""
+        self._activations.append((axis, element, int(mode), stage))
+
+    def turn(self, handwheel: int, pulses: int) -> None:
+        """A handwheel (from 1) was turned by so many pulses since the last call."""
+        counts = self._handwheels
+        counts[handwheel - 1] = (counts[handwheel - 1] + pulses + 2**31) % 2**32 - 2**31
+
+    def delete_distance_to_go(self) -> None:
+        """Drop the rest of the motion block; the path goes on straight to the target of the next one."""
+        self._delete.give()
 
     @property
     def requested_order(self) -> Wish | None:
@@ -275,6 +383,9 @@ class ChannelPort(_Area):
         """End of a PLC cycle: hand over orders, take confirmed commands back. Called by the host."""
         self._reset.update()
         self._continue.update()
+        self._delete.update()
+        self.keys.update()
+        self._update_activation()
         modes = self._modes
         if modes.command_semaphor_rw:
             return  # not taken yet
@@ -296,6 +407,23 @@ class ChannelPort(_Area):
         else:
             modes.enable_w = self.claims_orders
 
+    def _update_activation(self) -> None:
+        unit = self._channel.control.manual.activation
+        if unit.command_semaphor_rw:
+            return
+        if self._activations:
+            order = unit.command_w
+            order.log_ax_n, order.control_element, order.operation_mode, order.parameter_set = (
+                self._activations.popleft()
+            )
+            unit.enable_w = unit.command_semaphor_rw = True
+        elif unit.request_semaphor_rw:
+            unit.command_w = unit.request_r
+            unit.request_semaphor_rw = False
+            unit.enable_w = unit.command_semaphor_rw = True
+        else:
+            unit.enable_w = False
+
 
 class AxisPort(_Area):
     """One axis: mm or degrees, and seconds."""
@@ -305,6 +433,14 @@ class AxisPort(_Area):
         "release_feedhold", "Feed enable: without it the axis, and every path it takes part in, stands."
     )
     feed_hold = BoolCommand("feedhold", "Hold this axis.")
+    torque_permission = BoolCommand("torque_permission", "The drive may have torque; it is enabled with drive_on only.")
+    follow_up = BoolCommand("follow_up", "Tracking: the drive is off, the set-point follows the actual position.")
+    parked = BoolCommand("parked", "Out of use: programs start without the axis; taken over while none runs.")
+    reference_cam = BoolCommand("reference_cam", "The axis is on its reference cam.")
+    lag_monitoring_off = BoolCommand("lag_monitoring_off", "The following error raises no alarm.")
+    blocked = MaskCommand("directional_feedhold", "Directions (Blocked) in which the axis may not go.")
+    lowest = LengthCommand("dyn_pos_limit_low", "Dynamic position limit.")
+    highest = LengthCommand("dyn_pos_limit_high", "Dynamic position limit.")
     override = PercentCommand("override", "Override of an axis that moves alone, or of a spindle; percent.")
 
     def __init__(self, axis: Axis) -> None:
@@ -312,6 +448,7 @@ class AxisPort(_Area):
         self._axis = axis
         self._status = axis.status
         self._reset = _OneShot(axis.control.reset)
+        self.jobs = JobGiver(axis)  # of the motion blocks
         self.name = get_text(axis, "name_r")
 
     def reset(self) -> None:
@@ -321,6 +458,29 @@ class AxisPort(_Area):
     @property
     def state(self) -> AxisState:
         return _AXIS_STATES[self._status.axis_state_r]
+
+    @property
+    def motion_state(self) -> MotionState:
+        """State in the diagram of PLCopen."""
+        return _MOTION_STATES[self._axis.job.motion_state_r]
+
+    @property
+    def error_id(self) -> int:
+        """Why the axis is in ErrorStop, 0 it is not."""
+        value: int = self._axis.job.error_id_r
+        return value
+
+    @property
+    def enabled(self) -> bool:
+        """The drive takes set-points."""
+        value: bool = self._status.ready_for_control_loop_on_r
+        return value
+
+    @property
+    def number(self) -> int:
+        """Logical axis number."""
+        value: int = self._axis.log_ax_n_r
+        return value
 
     @property
     def position(self) -> float:

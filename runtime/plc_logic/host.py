@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import Any
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import Place
-from runtime.hli.layout import Axis, Channel, Hli
+from runtime.hli.layout import Axis, Channel, Hli, ManualControl
 from runtime.hli.memory import HliMemory, get_text, put_text
 from runtime.hli.technology import Taken, TechnologyTaker
 from runtime.plc_logic.areas import AxisPort, ChannelPort, SpindlePort
@@ -370,14 +371,27 @@ def report_failure(hli: Hli, error: PlcFailure) -> None:
     platform.plc_error_count_w += 1
 
 
+def _units(control: ctypes.Structure) -> Iterator[Any]:
+    """The control units of an area, those of manual mode included."""
+    for name, *_ in control._fields_:
+        part = getattr(control, name)
+        if isinstance(part, ManualControl):
+            yield from _units(part)
+        elif hasattr(part, "enable_w"):
+            yield part
+        elif isinstance(part, ctypes.Array) and hasattr(part[0], "enable_w"):
+            yield from part
+
+
 def _give_back(area: Channel | Axis) -> None:
     """Take back every claim and command: those of a PLC that logs off, or of one that was killed."""
-    control = area.control
-    for name, *_ in control._fields_:
-        unit = getattr(control, name)
-        if name == "mode_and_state":
+    for unit in _units(area.control):
+        if hasattr(unit, "command_semaphor_rw"):
             unit.request_semaphor_rw = False
             unit.command_semaphor_rw = False
         else:
             unit.command_w = type(unit.command_w)(0)
         unit.enable_w = False
+    if isinstance(area, Axis):
+        area.job.command_semaphor_rw = False
+        area.job.stop_hold_w = False

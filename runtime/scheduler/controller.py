@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.axes.job_slots import MachineJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.axes.supervision import (
     FAULT_DRIVE,
@@ -22,19 +23,25 @@ from runtime.cnc.axes.supervision import (
     AxisFault,
     AxisSupervision,
 )
+from runtime.cnc.beside_path import BesidePath
 from runtime.cnc.channel import Channel
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.preparation_link import PreparationLink, StartOrder
+from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologySettings
 from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import axis_jobs
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveState, DriveSystem
 from runtime.fieldbus.events import problem_of
+from runtime.hli.describe import io_bits
+from runtime.hli.layout import Mode
 from runtime.hli.memory import HliMemory, get_text
+from runtime.hli.modes import Work
 from runtime.hli.technology import TechnologyPort
 from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.orders import Orders
@@ -44,6 +51,9 @@ from runtime.scheduler.publish import Publisher
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 _ENABLED = int(DriveState.OPERATION_ENABLED)
+_OFFLINE = int(DriveState.OFFLINE)
+_PARKED_WAY = 1e-6  # mm, degrees: more than that is a motion
+_UNREFERENCED = (Mode.MANUAL, Mode.HOMING)  # modes that need no reference
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
@@ -84,6 +94,9 @@ class Controller:
         self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)))
         indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
         spindles = [Spindle(machine.axes[i], i, period) for i in indices]
+        inputs, _ = io_bits(machine)
+        self._cam_bits = [inputs.get(axis.homing.switch or "", -1) if axis.homing else -1 for axis in path_axes]
+        self.beside = BesidePath(path_axes, period, described.parameters, self._cam, self._shift)
         self.channel = Channel(
             queue,
             self.interpolator,
@@ -97,10 +110,16 @@ class Controller:
             period,
             self._path_axes,
             np.array([axis.in_position for axis in path_axes]),
+            self.beside,
+            StopBefore(self.interpolator, path_axes, described.parameters.hli_input_disable_condition),
         )
+        self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
+        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list)
+        self.beside.commands = self.orders.manual
+        self.supervision.lag_monitored = self.orders.lag_monitored
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
         self.cycle_number = 0
         self.time = 0.0
@@ -108,6 +127,9 @@ class Controller:
         self._states: list[int] = drives.image.state.tolist()
         self._enabled = [state == _ENABLED for state in self._states]
         self._path_enabled = False
+        self.parked = np.zeros(len(machine.axes), dtype=np.bool_)  # out of use
+        self._any_parked = False
+        self._parked_at = np.zeros(len(path_axes))  # where the path has parked axes
         self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
         self._process_lost_before = 0
         self._astray: set[int] = set()  # path axes that were lost while the program ran
@@ -124,12 +146,13 @@ class Controller:
         self._head.time_ns_r = int(time * 1e9)
         self.drives.read()
         self.publisher.inputs()
-        self.orders.sample()
+        self.orders.sample(time)
         self._watch_axes()
         self._watch_plc()
         self.publisher.outputs()
         self._obey()
         self._move()
+        self.orders.show_limits(self.channel)
         self.publisher.status(self.orders.inputs.override)
         self.drives.write()
 
@@ -145,17 +168,40 @@ class Controller:
             self.time,
             self.cycle_number,
         )
-        if self.channel.active:
-            if self._path_enabled and not self._astray:
-                image.target_position[self._path_axes] = self.interpolator.position
+        if self.channel.active and not self.channel.locked:
+            if self._any_parked:
+                self._move_without_parked()
+            elif self._path_enabled and not self._astray:
+                image.target_position[self._path_axes] = self.interpolator.position + self.beside.offset
             else:  # an axis without its drive tracks, the others still brake on the path
                 self._brake_without_lost_axes(enabled)
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
+        self.jobs.step(
+            enabled,
+            self.channel.active,
+            self.supervision.faults,
+            self.supervision.in_position,
+            self.orders.axis_commands,
+        )
+        while self.jobs.problems:
+            axis, problem = self.jobs.problems.pop()
+            self.alarm(problem, axis)
         if self.channel.problems:
             for problem in self._take_problems():
                 self.alarm(problem)
+
+    def _move_without_parked(self) -> None:
+        """Parked axes track; a path that would move one of them stops."""
+        self._brake_without_lost_axes([on and not self.parked[i] for i, on in enumerate(self._enabled)])
+        if self.channel.error is not None:
+            return
+        for k, i in enumerate(self._path_list):
+            way = self.interpolator.position[k] + self.beside.offset[k] - self._parked_at[k]
+            if self.parked[i] and abs(way) > _PARKED_WAY:
+                self.alarm(Problem(alarms.PARKED_MOVED, {"axis": self.machine.axes[i].name}), i)
+                return
 
     def _brake_without_lost_axes(self, enabled: list[bool]) -> None:
         """An axis that has left the path stays off it until the program is over: going back to it would be a jump."""
@@ -163,7 +209,21 @@ class Controller:
             if not enabled[i]:
                 self._astray.add(i)
             elif i not in self._astray:
-                self.drives.image.target_position[i] = self.interpolator.position[k]
+                self.drives.image.target_position[i] = self.interpolator.position[k] + self.beside.offset[k]
+
+    def _cam(self, k: int) -> bool | None:
+        """Whether path axis k stands on its reference cam: from the PLC, or else from its input; None if nobody tells."""
+        told = self.orders.reference_cam(self._path_list[k])
+        bit = self._cam_bits[k]
+        if told is not None or bit < 0:
+            return told
+        return bool(self.drives.image.digital_in[bit // 8] >> (bit % 8) & 1)
+
+    def _shift(self, k: int, way: float) -> None:
+        """Path axis k has found its reference: its coordinates shift, and so does where it is."""
+        image, i = self.drives.image, self._path_list[k]
+        for positions in (image.origin, image.actual_position, image.target_position):
+            positions[i] += way
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []
@@ -186,6 +246,7 @@ class Controller:
                 elif event.node == 0:  # the bus itself
                     self._told[:] = True
             self.alarm(problem, event.axis)
+        wanted = self._without_parked(wanted)
         for fault in self.supervision.monitor(wanted):
             self._axis_fault(fault)
         if not self._path_enabled:
@@ -199,16 +260,30 @@ class Controller:
         for i, (before, state) in enumerate(zip(self._states, states, strict=True)):
             if state != before:
                 self._event(EventKind.DRIVE, number=i, value=float(state), axis=i)
+        for k, i in enumerate(self._path_list):
+            if states[i] == _OFFLINE:
+                self.beside.lose_reference(k)
         self._states = states
         self._enabled = [state == _ENABLED for state in states]
-        self._path_enabled = all(self._enabled[i] for i in self._path_list)
+        self._path_enabled = all(self._enabled[i] or self.parked[i] for i in self._path_list)
+
+    def _without_parked(self, wanted: Flags) -> Flags:
+        """The drives that shall be on, without those of axes out of use; that changes only while no program runs."""
+        orders = self.orders
+        if not self.channel.active and (self.parked != orders.park).any():
+            self.parked[:] = orders.park
+            self._path_enabled = all(self._enabled[i] or self.parked[i] for i in self._path_list)
+        if self._any_parked or self.parked.any():
+            self._any_parked = bool(self.parked.any())
+            orders.show_parked(self.parked)
+        return wanted & ~self.parked if self._any_parked else wanted
 
     def _watch_tracking(self, wanted: Flags) -> None:
         """A program cannot go on with an axis that was switched off: it would jump when it is switched on again."""
         if not self.channel.active or self.channel.error is not None or self._stopping:
             return
         for i in self._path_list:
-            if not wanted[i] and not self._enabled[i]:
+            if not wanted[i] and not self._enabled[i] and not self.parked[i]:
                 self.alarm(Problem(alarms.AXIS_TRACKING, {"axis": self.machine.axes[i].name}), i)
                 return
 
@@ -253,27 +328,32 @@ class Controller:
         refused = orders.mode_step(channel)
         if refused is not None:
             self.alarm(refused)
+        not_linked = self.beside.take_orders()
+        if not_linked is not None:
+            self.alarm(not_linked)
         if orders.abort_ordered:
             channel.abort()
-        if orders.start_program is not None:
-            self._start(orders.start_program)
+        if orders.start_work is not None:
+            self._start(orders.start_work)
         moving = channel.active
         if moving != self._moving_before or orders.mode_changed:
             self._moving_before = moving
             self._event(EventKind.MODE, number=orders.mode, value=float(orders.state))
 
-    def _start(self, program: str) -> None:
-        problem = self._hindrance()
+    def _start(self, work: Work) -> None:
+        problem = self._hindrance(work.mode)
         if problem is not None:
             self.orders.start_refused()
             self.alarm(problem)
             return
         position = self.drives.image.target_position[self._path_axes].copy()
         self._astray.clear()
-        self.publisher.program(program)
-        self.channel.start(program, position, self.orders.skip_levels)
+        self._parked_at[:] = position
+        self.publisher.program(work.content)
+        order = StartOrder(work.content, position, self.orders.skip_levels, work.mode, work.text)
+        self.channel.start(order, locked=self.orders.machine_lock)
 
-    def _hindrance(self) -> Problem | None:
+    def _hindrance(self, mode: Mode) -> Problem | None:
         """Why no program can start now."""
         image = self.drives.image
         if self.channel.restart_needed:
@@ -281,10 +361,17 @@ class Controller:
         if self.channel.error is not None:
             return Problem(alarms.CHANNEL_IN_ERROR)
         for i in self._path_axes:
-            if image.state[i] != DriveState.OPERATION_ENABLED:
+            if image.state[i] != DriveState.OPERATION_ENABLED and not self.parked[i]:
                 return Problem(alarms.AXES_NOT_READY, {"axis": self.machine.axes[i].name})
         if self.plc is not None and not self.plc.running:
             return Problem(alarms.PLC_NOT_RUNNING)
+        moved = self.jobs.moved_path_axis()
+        if moved is not None:
+            return Problem(axis_jobs.JOB_RUNS, {"axis": self.machine.axes[moved].name})
+        if mode not in _UNREFERENCED:
+            for i, referenced in zip(self._path_list, self.beside.referenced, strict=True):
+                if not referenced and not self.parked[i]:
+                    return Problem(alarms.NOT_REFERENCED, {"axis": self.machine.axes[i].name})
         return None
 
     def alarm(self, problem: Problem, axis: int = -1) -> int:
@@ -295,14 +382,17 @@ class Controller:
     def _react(self, entry: ErrorEntry) -> None:
         if entry.reaction is Reaction.QUICK_STOP:
             self.supervision.quick_stop()
+            self.jobs.let_go()
             self.channel.fail(entry)
             self.channel.abort_at_once(self.drives.image.actual_position[self._path_axes].copy())
         elif entry.reaction in (Reaction.STOP_ON_PATH, Reaction.STOP_AT_BLOCK_END):
             self.channel.fail(entry)
+            self.jobs.stop(f"alarm {entry.id}")
 
     def reset(self) -> None:
         """Abort what runs, acknowledge faults and alarms, start the PLC again if it was lost."""
         self.channel.reset()
+        self.jobs.reset()
         self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
         self.alarms.acknowledge()
         if self.channel.restart_needed:
@@ -319,6 +409,7 @@ class Controller:
         """Bring everything to rest: the path brakes, the spindles stop, then the drives are switched off."""
         self._stopping = True
         self.channel.reset()
+        self.jobs.stop("the machine is switched off")
 
     @property
     def stopped(self) -> bool:
@@ -328,9 +419,14 @@ class Controller:
 
     def _at_rest(self) -> bool:
         image = self.drives.image
-        return self.channel.at_rest and all(
-            image.state[spindle.index] == DriveState.OFFLINE or spindle.standing(image.actual_velocity[spindle.index])
-            for spindle in self.channel.spindles
+        return (
+            self.channel.at_rest
+            and self.jobs.standing
+            and all(
+                image.state[spindle.index] == DriveState.OFFLINE
+                or spindle.standing(image.actual_velocity[spindle.index])
+                for spindle in self.channel.spindles
+            )
         )
 
     def _event(self, kind: EventKind, number: int = 0, value: float = 0.0, axis: int = -1) -> None:

@@ -10,7 +10,8 @@ from runtime.config.machine import Machine
 from runtime.diagnostics.errors import Problem
 from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.layout import Hli, Mode, State
-from runtime.hli.modes import Action, Refusal, Wish, next_step
+from runtime.hli.manual import ManualCommands
+from runtime.hli.modes import Action, Refusal, Wish, Work, next_step, work_of
 
 
 class Orders:
@@ -23,29 +24,36 @@ class Orders:
         self._axis_commands = [AxisCommands(hli.axes[i]) for i in range(len(machine.axes))]
         self._path_commands = [self._axis_commands[machine.axis_index(name)] for name in described.axes]
         self._unit = hli.channels[0].control.mode_and_state
-        self.inputs = ChannelInputs()
+        n = len(self._path_commands)
+        self.inputs = ChannelInputs(axis_holds=[False] * n, blocked=[0] * n, limits=[None] * n)
+        self.manual = ManualCommands(hli.channels[0], hli.operator[0])
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
+        self.lag_monitored: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
+        self.park: npt.NDArray[np.bool_] = np.zeros(len(machine.axes), dtype=np.bool_)  # wanted
         self.mode = Mode.STANDBY
         self.state = State.SELECTED
         self.mode_changed = False
-        self.start_program: str | None = None  # in this cycle
+        self.start_work: Work | None = None  # in this cycle
         self.abort_ordered = False  # in this cycle
         self._reset_ordered = False
         self._hold = False  # by the mode unit
         self._program = ""  # loaded
         self._wish: Wish | None = None
 
-    def sample(self) -> None:
-        """Start of the cycle: read every control unit; `drives_on` (n_axes,) tells which drives shall be on."""
+    def sample(self, time: float) -> None:
+        """Start of the cycle at `time` (s): read every control unit; `drives_on` (n_axes,) tells which drives shall be on."""
         commands = self._channel_commands
         commands.sample()
+        self.manual.sample(self._channel.plc_present_w, time)
         changed = False
         for axis in self._axis_commands:
             if axis.sample():
                 changed = True
         if changed:
-            self.inputs.axis_feed_hold = any(axis.feed_hold or not axis.release for axis in self._path_commands)
+            self._sample_path_axes()
             self.drives_on[:] = [axis.drive_on for axis in self._axis_commands]
+            self.lag_monitored[:] = [axis.lag_monitored for axis in self._axis_commands]
+            self.park[:] = [axis.parked for axis in self._axis_commands]
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs
         inputs.override = commands.override
@@ -53,10 +61,48 @@ class Orders:
         inputs.single_block = commands.single_block
         inputs.optional_stop = commands.optional_stop
         inputs.continue_motion = commands.continue_motion
+        inputs.read_disable = commands.read_disable
+
+    def _sample_path_axes(self) -> None:
+        inputs = self.inputs
+        for k, axis in enumerate(self._path_commands):
+            inputs.axis_holds[k] = axis.feed_hold or not axis.release
+            inputs.blocked[k] = axis.blocked
+            inputs.limits[k] = axis.limits
+        inputs.axis_feed_hold = any(inputs.axis_holds)
+        inputs.restricted = any(inputs.blocked) or any(limits is not None for limits in inputs.limits)
+
+    def show_parked(self, parked: npt.NDArray[np.bool_]) -> None:
+        """Which axes (n_axes,) are out of use."""
+        for axis, state in zip(self._axis_commands, parked.tolist(), strict=True):
+            axis.show_parked(state)
+
+    def show_limits(self, channel: Channel) -> None:
+        """How the path axes with dynamic limits stand to them."""
+        if not self.inputs.restricted:
+            return
+        path = channel.interpolator.position + channel.beside.offset
+        for k, (axis, limits) in enumerate(zip(self._path_commands, self.inputs.limits, strict=True)):
+            if limits is not None:
+                axis.show_limits(channel.stop_before.limit_state(k, limits, float(path[k])))
+
+    def reference_cam(self, axis: int) -> bool | None:
+        """What the PLC says of the reference cam of an axis (index in the machine), None if it says nothing."""
+        return self._axis_commands[axis].reference_cam
 
     def spindle_override(self, axis: int) -> float:
         """Share of the programmed speed."""
         return self._axis_commands[axis].override
+
+    def axis_commands(self, axis: int) -> tuple[float, bool]:
+        """Override of an axis that moves alone, and whether it is held."""
+        commands = self._axis_commands[axis]
+        return commands.override, commands.feed_hold or not commands.release
+
+    @property
+    def machine_lock(self) -> bool:
+        """No axis shall move in a program that starts now."""
+        return self._channel_commands.machine_lock
 
     @property
     def skip_levels(self) -> int:
@@ -73,7 +119,7 @@ class Orders:
 
     def mode_step(self, channel: Channel) -> Problem | None:
         """One step of the mode unit; a refused order is handed back as a problem."""
-        self.start_program = None
+        self.start_work = None
         self.abort_ordered = False
         before = (self.mode, self.state)
         self._follow(channel)
@@ -125,7 +171,7 @@ class Orders:
         elif action is Action.UNLOAD:
             self._program = ""
         elif action is Action.START:
-            self.start_program = self._program
+            self.start_work = work_of(self.mode, self._program)
             self._hold = False
         elif action is Action.HOLD:
             self._hold = True

@@ -16,7 +16,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.error_texts import ErrorTexts
 from runtime.config.machine import Machine
 from runtime.hli.external import external_area
-from runtime.hli.layout import Hli, Mode
+from runtime.hli.layout import Hli
 from runtime.hli.timers import Timers
 from runtime.hli.tools import Identity, RequestKind, ToolAnswered, ToolRequests
 
@@ -31,6 +31,7 @@ class RunningMachine:
         self.now = now
         self._link = link
         self._head = hli.head
+        self._axes = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
         self._timers = Timers(hli)
         self._tools = ToolRequests(hli.channels[0])
         self._external = external_area(hli)
@@ -48,12 +49,20 @@ class RunningMachine:
     def actual_position(self) -> Floats | None:
         return self._link.actual_position
 
+    def manual_offsets(self) -> Floats | None:
+        return self._link.manual_offsets
+
+    def referenced(self, axis: int) -> bool:
+        return bool(self._axes[axis].status.referenced_r)
+
+    def parked(self, axis: int) -> bool:
+        return bool(self._axes[axis].control.parked.state_r)
+
     def cycle(self) -> int:
         return int(self._head.cycle_r)
 
     def operating_mode(self) -> int:
-        """The only mode that programs are started in."""
-        return int(Mode.AUTOMATIC)
+        return self._link.read_start().mode
 
     def changes_files(self) -> bool:
         return True

@@ -7,6 +7,7 @@ the same object between two cycles.
 from __future__ import annotations
 
 import itertools
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from runtime.cnc.stages import prepared
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
+from runtime.hli.layout import Mode
 from runtime.scheduler.outside import RunningMachine
 
 BATCH = 256  # records between two looks at the link
@@ -66,6 +68,7 @@ class Preparation:
         self._blocks: Iterator[Block] | None = None
         self._writer: QueueWriter | None = None
         self._program: Program | None = None
+        self._blocks_folder: tempfile.TemporaryDirectory[str] | None = None  # for NC blocks that are no file
         self.decoder: Decoder | None = None  # of the last program, for its parameters
 
     def poll(self) -> PumpState:
@@ -109,6 +112,13 @@ class Preparation:
             self._program.close()
             self._program = None
 
+    def end(self) -> None:
+        """Give back everything; nothing is prepared any more."""
+        self.close()
+        if self._blocks_folder is not None:
+            self._blocks_folder.cleanup()
+            self._blocks_folder = None
+
     def _begin(self) -> None:
         order = self._link.read_start()
         self.close()
@@ -134,7 +144,7 @@ class Preparation:
 
     def _decoded(self, order: StartOrder, outside: Outside) -> Iterator[Block]:
         """The blocks of the program file. Raises TandemError."""
-        program = self._program = load_program(Path(order.program), self._setup, self._dialect)
+        program = self._program = load_program(self._file(order), self._setup, self._dialect)
         self.decoder = Decoder(
             program,
             self._setup,
@@ -146,6 +156,22 @@ class Preparation:
         )
         return self.decoder.blocks()
 
+    def _file(self, order: StartOrder) -> Path:
+        """The program file. NC blocks that came with the order become one, named after their mode."""
+        if not order.text:
+            path = Path(order.program)
+            found = order.mode == Mode.HOMING and next(
+                (folder / path for folder in map(Path, self._setup.program_paths) if (folder / path).is_file()), None
+            )
+            return found or path
+        if self._blocks_folder is None:
+            self._blocks_folder = tempfile.TemporaryDirectory(prefix="tandem-")
+        file = Path(self._blocks_folder.name) / f"{Mode(order.mode).name.lower()}.nc"
+        file.write_text(
+            order.program.replace("\r\n", "\n").replace("\r", "\n") + "\n", encoding="latin-1", errors="replace"
+        )
+        return file
+
     def _observed(self, block: Block) -> tuple[Block]:
         if self._on_block is not None:
             self._on_block(block)
@@ -155,5 +181,8 @@ class Preparation:
         self._blocks = None
         problem = error.problem if self._program is None else located(self._program, error.problem)
         place = problem.place
-        failure = Failure(problem.entry.id, problem.text, place.file, place.line, place.column)
+        file = place.file
+        if self._blocks_folder is not None and file.startswith(self._blocks_folder.name):
+            file = Path(file).name  # NC blocks of an order: their folder tells nobody anything
+        failure = Failure(problem.entry.id, problem.text, file, place.line, place.column)
         self._link.finish(PreparationState.FAILED, failure)

@@ -55,7 +55,7 @@ def main() -> None:
         state = preparation.poll()
         if state is not PumpState.MORE:
             time.sleep(_FULL if state is PumpState.FULL else _IDLE)
-    preparation.close()
+    preparation.end()
     queue.close()
     link.close()
     memory.close()

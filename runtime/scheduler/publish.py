@@ -119,7 +119,10 @@ class Publisher:
         describe_machine(hli, machine)
         for axis in hli.axes[: len(machine.axes)]:
             axis.status.drive_type_r = _CANOPEN if real else _SIMULATION
-            axis.status.referenced_r = True  # absolute encoders; homing is not in this version
+            axis.status.referenced_r = True  # spindles; see `_beside` for the path axes
+        self._path_areas = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
+        self._displays = [self._status.hb_display_r[k] for k in range(len(self._path_areas))]
+        self._by_hand = True
 
     def inputs(self) -> None:
         """Start of the cycle: the machine's inputs, for the PLC."""
@@ -184,8 +187,26 @@ class Publisher:
             area.actual_speed_r = int(actual * SPEED)
             area.rev_erreicht_r = spindle.reached(actual)
             area.rev_null_r = spindle.standing(actual)
+        self._beside(channel)
         platform = self._platform
         platform.bus_load_r = image.bus_load
         platform.emcy_count_r = image.emcy_count
         platform.frames_sent_r = image.frames_sent
         platform.frames_received_r = image.frames_received
+
+    def _beside(self, channel: Channel) -> None:
+        """References, and how the axes can be moved by hand; most cycles have nothing new."""
+        beside, status = channel.beside, self._status
+        status.machine_locked_r = channel.locked and channel.active
+        for area, referenced in zip(self._path_areas, beside.referenced, strict=True):
+            area.status.referenced_r = referenced
+        if not (beside.engaged or self._by_hand):
+            return
+        self._by_hand = beside.engaged
+        for hand, shown in zip(beside.axes, self._displays, strict=True):
+            stage = hand.stage
+            shown.state_r, shown.operation_mode_r = int(hand.state), int(hand.mode)
+            shown.control_element_r = hand.element
+            shown.hr_aufloesung_r, shown.tipp_geschw_r = int(stage.resolution * LENGTH), int(stage.velocity * SPEED)
+            shown.jog_geschw_r, shown.jog_weg_r = int(stage.step_velocity * SPEED), int(stage.width * LENGTH)
+            shown.offset_r = round(hand.offset * LENGTH)

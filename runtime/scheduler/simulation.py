@@ -98,6 +98,7 @@ class Simulation:
         base: Path | None = None,
         start_position: Floats | None = None,
         tools: ToolTable | None = None,
+        plant: SimulatedPlant | None = None,
     ) -> None:
         self.machine = machine
         self.period = machine.cycle.period
@@ -120,7 +121,7 @@ class Simulation:
             dialect=dialect,
             on_block=self._trace_block if trace else None,
         )
-        self.plant = SimulatedPlant()
+        self.plant = plant or SimulatedPlant()
         self._leave_bus: list[Callable[[], None]] = []
         self.drives, self._step_nodes = self._build_drives(ideal_axes, start_position)
         self.plc: PlcPartner | None = None
@@ -313,7 +314,7 @@ class Simulation:
     def close(self, result: Result | None = None) -> None:
         """Write what stands at the end of the trace, leave the bus, give back the program's files."""
         self.drives.stop()
-        self.preparation.close()
+        self.preparation.end()
         while self._leave_bus:
             self._leave_bus.pop()()
         if self.writer is not None and self.samples is not None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.hli.layout import Mode, State
-from runtime.hli.modes import STEPS, Action, Refusal, Transition, Wish, next_step
+from runtime.hli.modes import STEPS, Action, Refusal, Transition, Wish, Work, next_step, work_of
 
 
 def carry_out(mode: Mode, state: State, wish: Wish | None) -> tuple[list[Action], Mode, State, str]:
@@ -69,9 +69,10 @@ def test_a_ready_program_is_unloaded_before_the_mode_is_left() -> None:
 @pytest.mark.parametrize(
     ("mode", "state", "wish", "entry"),
     [
-        (Mode.STANDBY, State.SELECTED, Wish(Mode.MDI, State.ACTIVE, "G0 X1"), catalogue.MODE_NOT_AVAILABLE),
-        (Mode.STANDBY, State.SELECTED, Wish(Mode.MANUAL, State.SELECTED), catalogue.MODE_NOT_AVAILABLE),
-        (Mode.STANDBY, State.SELECTED, Wish(Mode.HOMING, State.SELECTED), catalogue.MODE_NOT_AVAILABLE),
+        (Mode.STANDBY, State.SELECTED, Wish(Mode.MDI, State.ACTIVE), catalogue.MODE_NO_PROGRAM),
+        (Mode.STANDBY, State.SELECTED, Wish(Mode.MANUAL, State.ACTIVE, "G200\r\nG0 X1"), catalogue.MODE_MANUAL_TEXT),
+        (Mode.STANDBY, State.SELECTED, Wish(Mode.MANUAL, State.READY, "G0 X1"), catalogue.MODE_MANUAL_TEXT),
+        (Mode.AUTOMATIC, State.ACTIVE, Wish(Mode.MANUAL, State.ACTIVE), catalogue.MODE_PROGRAM_RUNS),
         (Mode.STANDBY, State.SELECTED, Wish(99, 99), catalogue.MODE_NOT_AVAILABLE),
         (Mode.STANDBY, State.SELECTED, Wish(Mode.AUTOMATIC, 99), catalogue.MODE_TRANSITION),
         (Mode.STANDBY, State.SELECTED, Wish(Mode.STANDBY, State.ACTIVE, "a.nc"), catalogue.MODE_TRANSITION),
@@ -113,7 +114,7 @@ def test_the_expected_start_counts_for_the_first_step_only() -> None:
     assert actions == [Action.SELECT, Action.LOAD, Action.START]
 
 
-_modes = st.sampled_from([Mode.STANDBY, Mode.AUTOMATIC])
+_modes = st.sampled_from(list(Mode))
 
 
 @given(
@@ -121,7 +122,7 @@ _modes = st.sampled_from([Mode.STANDBY, Mode.AUTOMATIC])
     state=st.sampled_from([s for s in State if s is not State.DESELECTED]),
     to_mode=st.integers(0, 7),
     to_state=st.integers(0, 8),
-    parameter=st.sampled_from(["", "a.nc"]),
+    parameter=st.sampled_from(["", "a.nc", "G0 X1\r\nG200"]),
 )
 def test_an_order_is_either_refused_as_a_whole_or_reaches_its_end(
     mode: Mode, state: State, to_mode: int, to_state: int, parameter: str
@@ -135,6 +136,23 @@ def test_an_order_is_either_refused_as_a_whole_or_reaches_its_end(
         return
     _, mode_after, state_after, _ = carry_out(mode, state, wish)
     assert (mode_after, state_after) == (to_mode, to_state)
+
+
+@pytest.mark.parametrize(
+    ("mode", "parameter", "content", "text"),
+    [
+        (Mode.AUTOMATIC, "plate.nc", "plate.nc", False),
+        (Mode.MDI, "G0 X1", "G0 X1", True),
+        (Mode.MANUAL, "", "G200", True),
+        (Mode.MANUAL, "G91\nG200 X1", "G91\nG200 X1", True),
+        (Mode.HOMING, "G74 X2 Z1", "G74 X2 Z1", True),
+        (Mode.HOMING, "", "rpf.nc", False),
+    ],
+)
+def test_what_a_mode_executes(mode: Mode, parameter: str, content: str, text: bool) -> None:
+    actions, *_ = carry_out(Mode.STANDBY, State.SELECTED, Wish(mode, State.ACTIVE, parameter))
+    assert actions == [Action.SELECT, Action.LOAD, Action.START]
+    assert work_of(mode, parameter) == Work(mode, content, text)
 
 
 def test_the_table_has_no_way_out_of_error_but_reset() -> None:

@@ -65,6 +65,12 @@ class SingleAxis:
         self._planned_with = -1.0  # override of the present plan; negative: the goal is not planned yet
         self._misses = 0
 
+    def continue_from(self, state: State) -> None:
+        """In motion at `state`, which somebody else has brought it to: it brakes unless a goal follows."""
+        self.restart(state.p)
+        self._state = state
+        self._plan.begin(state)
+
     def move_to(self, position: float, dynamics: Dynamics | None = None, end_velocity: float = 0.0) -> bool:
         """Go to `position`, at most to the software limit, and pass it with `end_velocity` (signed) if that is not 0.
 
@@ -138,11 +144,14 @@ class SingleAxis:
             self._misses = 0
             return
         self._misses += 1
-        if self._misses > PATIENCE:
-            plan_speed(self._spare, self._state, 0.0, self._limits)
+        if self._misses <= PATIENCE:
+            return
+        for dynamics in (self._dynamics, self._limits):
+            plan_speed(self._spare, self._state, 0.0, dynamics)
             if self._proven():
                 self._drive()
                 self._misses = 0
+                return
 
     def _drive(self) -> None:
         self._plan, self._spare = self._spare, self._plan
@@ -210,6 +219,16 @@ class SingleAxis:
     def standstill(self) -> bool:
         """The set-point rests."""
         return self._state.v == 0.0 and self._state.a == 0.0
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The software limits."""
+        return self._least, self._greatest
+
+    @property
+    def moves_to_target(self) -> bool:
+        """On the way to `target`, or there."""
+        return self.goal is Goal.POSITION
 
     @property
     def at_limit(self) -> bool:

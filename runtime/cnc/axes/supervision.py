@@ -44,6 +44,7 @@ def _supervise(
     was_enabled: Flags,
     linear: Flags,
     lag_limit: Floats,
+    lag_monitored: Flags,
     quick_stop: Flags,
     grace: Ints,
     leave: Flags,
@@ -70,7 +71,7 @@ def _supervise(
             found = FAULT_DRIVE
         elif was_enabled[i] and wanted[i] and not enabled and not quick_stop[i]:
             found = FAULT_DROPPED
-        elif abs(lag[i]) > lag_limit[i]:
+        elif abs(lag[i]) > lag_limit[i] and lag_monitored[i]:
             found = FAULT_LAG
         new[i] = 0
         if found != 0 and faults[i] == 0:
@@ -90,7 +91,9 @@ def _supervise(
 def _warm() -> None:
     floats, flags, states = np.ones(1), np.zeros(1, dtype=np.bool_), np.zeros(1, dtype=np.int8)
     grace = np.zeros(1, dtype=np.int64)
-    _supervise(floats, floats, states, flags, flags, flags, flags, floats, flags, grace, flags, states, floats, states)
+    _supervise(
+        floats, floats, states, flags, flags, flags, flags, floats, flags, flags, grace, flags, states, floats, states
+    )
 
 
 class AxisSupervision:
@@ -104,6 +107,7 @@ class AxisSupervision:
         self._linear: Flags = np.array([axis.type is not AxisType.SPINDLE for axis in machine.axes])
         self._lag_limit: Floats = np.array([axis.following_error for axis in machine.axes])
         self.window: Floats = np.array([axis.in_position for axis in machine.axes])  # of standstill
+        self.lag_monitored: Flags = np.ones(n, dtype=np.bool_)  # whose following error raises a fault
         self._was_enabled: Flags = np.zeros(n, dtype=np.bool_)
         self._new: States = np.zeros(n, dtype=np.int8)
         self._leave: Flags = np.zeros(n, dtype=np.bool_)
@@ -136,6 +140,7 @@ class AxisSupervision:
             self._was_enabled,
             self._linear,
             self._lag_limit,
+            self.lag_monitored,
             image.quick_stop,
             self._grace,
             self._leave,

@@ -27,7 +27,7 @@ from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, Functions, functions_of
-from runtime.cnc.decoder.tool_management import give_back_at_start
+from runtime.cnc.decoder.tool_management import begin_with_tools
 from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
 from runtime.cnc.dynamic_settings import USUAL
 from runtime.cnc.language.errors import ProgramError
@@ -58,7 +58,7 @@ class WordBlocks:
         if self._x.dynamics != USUAL:
             self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
         select_zero_offset(self._x, self._x.memory.zero_default)
-        give_back_at_start(self._x)
+        begin_with_tools(self._x)
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)

@@ -28,12 +28,15 @@ from runtime.cnc.blocks import (
     Flush,
     FlushKind,
     Hold,
+    Homing,
     Line,
+    ManualMotion,
     Polyline,
     Source,
     SpatialArc,
     Stop,
     StopKind,
+    TakeOver,
 )
 from runtime.cnc.decoder import corner_geometry as geometry
 from runtime.cnc.language.errors import ProgramError
@@ -166,7 +169,9 @@ class _Held:
         """The block, if the next motion can still come behind it."""
         if isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
             raise self.error(catalogue.CORNER_OPEN)
-        if isinstance(block, Flush) and block.kind is FlushKind.WAIT:
+        if isinstance(block, Homing | ManualMotion | TakeOver) or (
+            isinstance(block, Flush) and block.kind is FlushKind.WAIT
+        ):
             raise self.error(catalogue.CORNER_WAIT, wait_line=block.source.line)
         return block
 

@@ -141,6 +141,8 @@ class Execution:
         self.soft_limits = list(self.configured_limits)
         self.modulo_axes = setup.modulo_axes
         self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else
+        self.manual_axes: set[int] = set()  # moved by hand beside the path (G201)
+        self.manual_offsets = [0.0] * len(setup.axes)  # V.A.MANUAL_OFFSETS, mm or degrees
         self.line_waits = (
             False  # a contour line waits for the next one; nothing is handed over meanwhile (see additions)
         )

@@ -5,7 +5,7 @@
     V.S variables                                         V.P, V.L, V.CYC, @P
     P parameters with P-CHAN-00067, arrays too            P parameters otherwise
     macros (until #INIT MACRO TAB, manual line 26013)     file names of #FILE NAME (line 16103)
-    tool table                                            selected tool, T
+    tool table, factors of tool life                      selected tool, T
     stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
     synchronisation of M and H functions                  loops, modal cycles, single-step locks
 
@@ -49,6 +49,7 @@ class ChannelMemory:
     def __init__(self, setup: DecoderSetup, tools: ToolTable | None = None) -> None:
         self.tools = MemoryTools() if tools is None else tools
         self.tool_left: Tool | None = None  # of an external management, that the last program has selected
+        self.life_factors = [1.0, 1.0]  # V.TLM.TIME_FACT, V.TLM.DIST_FACT
         self.tool_writes = 0  # V.G.TOOL_LIST_INVOKE
         n = len(setup.axes)
         self.zero_offsets: Floats = np.zeros((ZERO_OFFSET_SETS, n))

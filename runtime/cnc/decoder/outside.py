@@ -34,6 +34,15 @@ class Outside(Protocol):
     def actual_position(self) -> Floats | None:
         """Actual position in machine coordinates, None where no machine is."""
 
+    def manual_offsets(self) -> Floats | None:
+        """What the axes were moved by hand beside the path, None where no machine is."""
+
+    def referenced(self, axis: int) -> bool:
+        """The axis (index in the channel) has its reference; holds as the positions do."""
+
+    def parked(self, axis: int) -> bool:
+        """The axis is out of use; holds as the positions do."""
+
     def now(self) -> datetime:
         """The wall clock, for time stamps."""
 
@@ -94,6 +103,15 @@ class Offline:
 
     def actual_position(self) -> Floats | None:
         return None
+
+    def manual_offsets(self) -> Floats | None:
+        return None
+
+    def referenced(self, axis: int) -> bool:
+        return True
+
+    def parked(self, axis: int) -> bool:
+        return False
 
     def now(self) -> datetime:
         return datetime(2000, 1, 1)

@@ -134,6 +134,7 @@ class DecoderSetup:
     g_programs: Mapping[int, str] = field(default_factory=dict)  # P-CHAN-00160…00169, 00187: G number → file
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
+    reference_points: tuple[float, ...] = ()  # where homing finds them, mm or degrees, (n,)
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
     measuring_type: int = 1  # P-CHAN-00057
@@ -182,6 +183,7 @@ class DecoderSetup:
             ),
             axis_velocity=tuple(axis.velocity for axis in axes),
             position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
+            reference_points=tuple(axis.homing.position if axis.homing else 0.0 for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
             spindles=spindles,
             zero_offsets=offsets,

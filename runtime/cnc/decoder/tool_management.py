@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from runtime.cnc.blocks import Flush, FlushKind
+from runtime.cnc.blocks import Flush, FlushKind, LifeCommand, ToolLifeAction
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.outside import WaitForOutside
 from runtime.cnc.language.errors import CalculationError
@@ -20,6 +20,8 @@ from runtime.cnc.tools.tool import FIELDS, FieldError, Tool, ToolId
 from runtime.diagnostics.catalogue import tools as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.hli.tools import Identity, ManagedTool, RequestKind, ToolAnswered
+
+_NOBODY = ToolId()
 
 
 @dataclass(slots=True)
@@ -40,6 +42,7 @@ def announce_outside(x: Execution, tool: ToolId) -> None:
     x.tools.known.clear()
     if not setup.external:
         return
+    life_changes(x, tool, by_data=False)
     if setup.flush_at_t:
         x.emit(Flush(x.source, FlushKind.CONTINUE))
     if setup.announce:
@@ -75,8 +78,9 @@ def give_back(x: Execution) -> None:
         x.outside.ask_tool(RequestKind.SAVE, _identity(x.tools.active.id), x.tools.active.parameters)
 
 
-def give_back_at_start(x: Execution) -> None:
-    """A program starts: those of the tool that the one before has left (P-CHAN-00103)."""
+def begin_with_tools(x: Execution) -> None:
+    """A program starts: the free values of the tool that the one before has left go back (P-CHAN-00103)."""
+    tell_life(x, LifeCommand.WEIGHT, time=x.memory.life_factors[0], distance=x.memory.life_factors[1])
     left, x.memory.tool_left = x.memory.tool_left, None
     if left is not None and x.setup.tools.external and x.setup.tools.save_at_start:
         x.outside.ask_tool(RequestKind.SAVE, _identity(left.id), left.parameters)
@@ -145,6 +149,25 @@ def _tool(managed: ManagedTool) -> Tool:
 
 def _identity(tool: ToolId) -> Identity:
     return Identity(tool.basic, tool.sister, tool.variant)
+
+
+# ---------------------------------------------------------------------------------------------------- tool life
+
+
+def tell_life(
+    x: Execution, command: LifeCommand, tool: ToolId = _NOBODY, *, time: float = 0.0, distance: float = 0.0
+) -> None:
+    """An action of tool life, if somebody wants to know (P-CHAN-00016, P-CHAN-00076)."""
+    setup = x.setup.tools
+    if setup.external and setup.tell_life:
+        source = x.source_in_work()
+        x.emit(ToolLifeAction(source, command, tool.basic, tool.sister, tool.variant, time, distance))
+
+
+def life_changes(x: Execution, tool: ToolId, *, by_data: bool) -> None:
+    """Another tool comes by T, or by its data (P-CHAN-00482): its record begins."""
+    if by_data is x.setup.tools.life_with_d:
+        tell_life(x, LifeCommand.CHANGE, tool)
 
 
 # ---------------------------------------------------------------------------------------------------- V.G.WZ[j]

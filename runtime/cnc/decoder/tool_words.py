@@ -10,7 +10,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, require_feed
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.decoder.motion import expect_in_range, pcs_gain, programmed_at
-from runtime.cnc.decoder.tool_management import ToolWait, announce_outside, ready
+from runtime.cnc.decoder.tool_management import ToolWait, announce_outside, life_changes, ready
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.functions import round_half_up
@@ -88,6 +88,7 @@ def select_id(x: Execution, wanted: ToolId, column: int) -> None:
 
 def _use(x: Execution, tool: Tool, column: int) -> None:
     _expect_usable(x, tool, column)
+    life_changes(x, tool.id, by_data=True)
     move_at_once(x, x.tools.use(tool))
 
 

@@ -92,6 +92,10 @@ class Interpolator:
             self._plans,
         )
 
+    def resume_at(self, position: Floats) -> None:
+        """The axes were moved while the path stood: it goes on from `position` (n_axes,), where the next element begins."""
+        self._q[: self._n] = position
+
     # ------------------------------------------------------------------ the path
 
     @property

@@ -29,17 +29,24 @@ from runtime.cnc.blocks import (
     Flush,
     FlushKind,
     Hold,
+    Homing,
+    LifeCommand,
     Line,
+    ManualMotion,
+    ManualParameter,
     Message,
+    PathRestart,
     Polyline,
     Polynomials,
     Receiver,
     Source,
     Stop,
     StopKind,
+    TakeOver,
     TechnologyFunction,
     TimerAction,
     TimerCommand,
+    ToolLifeAction,
     ToolRadius,
     UserError,
     Wait,
@@ -47,6 +54,7 @@ from runtime.cnc.blocks import (
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomials import MAP
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
+from runtime.cnc.path_preparation.beside_path import PathShare, beside_path
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
 from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
@@ -72,6 +80,7 @@ _STOPS = {
 
 _RECEIVERS = tuple(Receiver)
 _TIMER_COMMANDS = tuple(TimerCommand)
+_LIFE_COMMANDS = tuple(LifeCommand)
 
 
 class PumpState(Enum):
@@ -131,6 +140,7 @@ class QueueWriter:
         self._error_text = error_text
         self._axes = limits.n
         self._limits = DynamicLimits(limits, period, weights)
+        self._left = PathShare(limits)
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
         self._rapid_before = self._late_before = False  # of the element before
@@ -220,7 +230,7 @@ class QueueWriter:
             self._limits.change(block.settings)
             return np.zeros(0, dtype=RECORD)
         if isinstance(block, AxisLimitChange):
-            self._limits.change_axes(block.limits)
+            self._limits.change_axes(self._left.of(block.limits))
             return np.zeros(0, dtype=RECORD)
         if isinstance(block, Polynomials):
             return self._polynomials(block)
@@ -264,6 +274,11 @@ class QueueWriter:
             case TimerAction():
                 record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
                 record["value"] = _TIMER_COMMANDS.index(block.command)
+            case ToolLifeAction():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.TOOL_LIFE
+                record["number"] = _LIFE_COMMANDS.index(block.command)
+                record["offset"], record["size"], record["feed"] = block.basic, block.sister, block.variant
+                record["seconds"], record["value"] = block.time, block.distance
             case ExternalWrite():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.EXTERNAL
                 record["number"], record["offset"], record["size"] = KINDS.index(block.kind), block.offset, block.size
@@ -277,6 +292,13 @@ class QueueWriter:
                 record["text"] = self.queue.texts.put(self._error_text(block))
                 if block.remedy_class != 0:
                     record["kind"], record["reason"] = RecordKind.GATE, GateReason.USER_ERROR
+            case PathRestart():
+                self._before = self._place = self._block_end = None
+                return record[:0]
+            case ManualMotion() | ManualParameter() | Homing() | TakeOver():
+                self._flushing = beside_path(record, block)
+                if self._left.changed_by(block):
+                    self._limits.change_axes(self._left.now)
         return record
 
     def _flush_records(self, record: Records, kind: FlushKind) -> Records:

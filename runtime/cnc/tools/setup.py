@@ -23,6 +23,8 @@ class ToolSetup:
     announce: bool = False  # P-CHAN-00087: it is told of T
     flush_at_t: bool = False  # P-CHAN-00106: #FLUSH CONTINUE with T
     save_at_start: bool = False  # P-CHAN-00103: a program start saves the tool of the program before
+    tell_life: bool = False  # P-CHAN-00076: it is told how long tools are in use
+    life_with_d: bool = False  # P-CHAN-00482: a tool is in use from D on, and not from T on
     answer_cycles: int = ANSWER_CYCLES  # that the management has to answer
 
     @classmethod
@@ -39,5 +41,7 @@ class ToolSetup:
             announce=parameters.t_info_to_wzv,
             flush_at_t=parameters.t_with_implicit_flush,
             save_at_start=parameters.d_clear_to_wzv,
+            tell_life=parameters.tool_life_to_wzv,
+            life_with_d=parameters.tool_life_with_d,
             answer_cycles=answer_cycles,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import IntFlag
+from typing import Literal
 
 from pydantic import Field, PrivateAttr
 
@@ -173,6 +174,10 @@ class ChannelParameters(Model):
     ext_wzv_vorhanden: bool = False  # P-CHAN-00016, the tools are those of an external tool management
     t_info_to_wzv: bool = False  # P-CHAN-00087, it is told of T
     t_with_implicit_flush: bool = False  # P-CHAN-00106, #FLUSH CONTINUE with T
+    tool_life_to_wzv: bool = False  # P-CHAN-00076, it is told how long tools are in use
+    tool_life_to_wzv_suppress_zero: bool = False  # P-CHAN-00243, unless they were not
+    tool_life_capture_all_movements: bool = False  # P-CHAN-00255, rapid traverse counts too
+    tool_life_with_d: bool = False  # P-CHAN-00482, a tool is in use from D on, and not from T on
     d_clear_to_wzv: bool = False  # P-CHAN-00103, a program start saves the tool of the program before
     einrechnen_mit_t: bool = False  # P-CHAN-00014, T executes D with its number
     move_tool_offsets_directly: bool = False  # P-CHAN-00100, D moves the axes at once
@@ -201,6 +206,14 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    hli_input_disable_condition: Literal["DEFAULT", "NEXT_NON_RAPID_BLOCK", "NEXT_RAPID_BLOCK"] = (
+        "DEFAULT"  # P-CHAN-00267
+    )
+    # manual mode
+    path_reject_std_manual_mode: bool = False  # P-CHAN-00113
+    rel_offset_limits_std_manual_mode: bool = False  # P-CHAN-00114
+    override_v_handwheel: bool = False  # P-CHAN-00186
+    err_outp_manual_mode_move: bool = False  # P-CHAN-00437
     # dynamics
     vector: VectorParameters = VectorParameters()
     dynamic_weighting_active: int = 0  # P-CHAN-00190, straight moves: 1 G00, 2 G01, 3 both

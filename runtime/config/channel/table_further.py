@@ -35,7 +35,7 @@ ROWS = (
     P(261, "multi_path_configuration", "BOOLEAN", "", False, 7509,
       "1 = two paths per block separated by ':'; N-labels with ':' forbidden"),
     P(267, "hli_input_disable_condition", "KEYWORD", "DEFAULT|NEXT_NON_RAPID_BLOCK|NEXT_RAPID_BLOCK", "DEFAULT", 7230,
-      "Which block kind the PLC read-disable stops before"),
+      "Which block kind the PLC read-disable stops before", use=Use.USED),
     P(275, "forward_backward.with_offset", "BOOLEAN", "", False, 7266,
       "1 = backward motion may pass a point with external offset"),
     P(276, "forward_backward.disable_m00_backward", "BOOLEAN", "", False, 7284, "1 = M00 does not stop backward motion"),

@@ -2,7 +2,7 @@
 
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
 fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
-radius compensation 309xxx.
+radius compensation 309xxx, axis jobs 308xxx.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from types import ModuleType
 
 from runtime.diagnostics.catalogue import (
+    axis_jobs,
     configuration,
     fieldbus,
     language,
@@ -34,6 +35,7 @@ _AREAS: tuple[ModuleType, ...] = (
     technology,
     tools,
     radius,
+    axis_jobs,
 )
 
 

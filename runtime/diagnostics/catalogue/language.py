@@ -882,6 +882,39 @@ EXACT_STOP_ALONE = ErrorEntry(
     remedy="write G60 into the block whose target is to be reached exactly",
     source="programming manual line 4424",
 )
+HOMING_ORDER = ErrorEntry(
+    300770,
+    "G74 {axis}{value:.9g}: the order of homing is a whole number from 1 on",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="axes with the same number are homed together, those with a lower one first: G74 Z1 X2 Y2",
+)
+MANUAL_ACTIVE = ErrorEntry(
+    300771,
+    "{statement}: axis {axis} is in manual mode",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="end manual mode of the axis first (G202)",
+    source="programming manual line 5713",
+)
+MANUAL_AXIS = ErrorEntry(
+    300772,
+    "{statement} takes exactly one of AX and AXNR",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+MANUAL_STAGE = ErrorEntry(
+    300773,
+    "{statement}: {key} is {value:.9g}, it has to be above 0",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+MANUAL_PAIR = ErrorEntry(
+    300774,
+    "{statement}: {first} and {second} belong together",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
+MANUAL_SIGN = ErrorEntry(
+    300775,
+    "#MANUAL LIMITS: NEGATIVE has to be below 0 and POSITIVE above 0, they are {negative:.9g} and {positive:.9g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
 
 # -- dynamics ------------------------------------------------------------------------------------------------------
 

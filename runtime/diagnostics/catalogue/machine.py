@@ -113,6 +113,44 @@ SERVICE_LOST = ErrorEntry(
     remedy="the system's journal says how it ended; start the runtime again, as systemd does by itself",
 )
 
+# ------------------------------------------------------------------------------------------- beside the path
+
+HOMING_NO_SIGNAL = ErrorEntry(
+    306030,
+    "axis {axis} cannot be homed: nobody tells when it is on its reference cam",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="name an input in the machine description (homing.switch), or let the PLC give reference_cam",
+)
+HOMING_NO_CAM = ErrorEntry(
+    306031,
+    "axis {axis} has not found its reference within {way:.1f}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check the switch and its wiring, the direction, and `homing.way` of the machine description; then reset",
+)
+NOT_REFERENCED = ErrorEntry(
+    306032,
+    "the program does not start: axis {axis} has no reference",
+    remedy="home it: mode HOMING with the blocks G74 {axis}1",
+)
+OFFSET_LEAVES = ErrorEntry(
+    306033,
+    "the program would take axis {axis}, which stands {offset:.3f} beside the path, over its software limit",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="move the axis back by hand, or end manual mode (G202, #CHANNEL INIT [CMDPOS]); then start again",
+)
+MANUAL_MOVING = ErrorEntry(
+    306034,
+    "axis {axis} is still moved by hand where manual mode ends",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="wait until it stands before G202, or let the way be finished (err_outp_manual_mode_move 0)",
+    source="P-CHAN-00437",
+)
+PARKED_MOVED = ErrorEntry(
+    306035,
+    "the program moves axis {axis}, which is parked",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="take the axis back into use, or leave it out of the program",
+)
 PRE_OUTPUT_LATE = ErrorEntry(
     120815,
     "{letter}{number} would be put out {late:.4f} mm behind its planned place, allowed are {limit:.4f} mm",

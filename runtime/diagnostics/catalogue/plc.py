@@ -78,8 +78,8 @@ HLI_NO_ELEMENT = ErrorEntry(
 
 MODE_NOT_AVAILABLE = ErrorEntry(
     304010,
-    "operating mode {mode} is not available in this version",
-    remedy="select AUTOMATIC or STANDBY",
+    "there is no operating mode {mode}",
+    remedy="select STANDBY, AUTOMATIC, MDI, MANUAL or HOMING (1 to 5)",
 )
 MODE_TRANSITION = ErrorEntry(
     304011,
@@ -90,7 +90,7 @@ MODE_TRANSITION = ErrorEntry(
 MODE_NO_PROGRAM = ErrorEntry(
     304012,
     "no NC program is loaded and the order names none",
-    remedy="name the program to start",
+    remedy="name the program to start, or in MDI the NC blocks",
 )
 MODE_FROM = ErrorEntry(
     304013,
@@ -114,6 +114,29 @@ OPERATOR_NO_ANSWER = ErrorEntry(
     304016,
     "the runtime {name} has not taken the order within {seconds} s",
     remedy="is its cycle running? (tandem hli watch); has the PLC claimed the unit and not answered?",
+)
+
+MODE_MANUAL_TEXT = ErrorEntry(
+    304017,
+    "the NC blocks of MANUAL do not end with G200",
+    severity=Severity.WARNING,
+    remedy="end them with a block G200, or leave them out: G200 alone is the default",
+    source="programming manual, line 6020",
+)
+MANUAL_NOT_NOW = ErrorEntry(
+    150048,
+    "axis {axis} cannot be linked to a control element now",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="select MANUAL, or release the axis by G200 or G201 in the program",
+    source="HLI, activation of control elements",
+)
+MANUAL_VALUE = ErrorEntry(
+    304018,
+    "manual mode of axis {axis}: {what} {value} is not possible",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="key pairs are 1 to 32, handwheels 1 to 8, modes 1 to 4, parameter sets 0 to 3; 0 takes the element away",
 )
 
 # ------------------------------------------------------------------------------------------- the PLC and its program

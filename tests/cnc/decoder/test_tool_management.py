@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from runtime.cnc.blocks import Block, Flush, FlushKind, Hold, Line
+from runtime.cnc.blocks import Block, Flush, FlushKind, Hold, Line, ToolLifeAction
 from runtime.cnc.decoder import ChannelMemory
 from runtime.cnc.tools.setup import ToolSetup
-from runtime.diagnostics.catalogue import tools as T  # noqa: N812 - a table of constants
+from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
+from runtime.diagnostics.catalogue import tools as T  # noqa: N812
 from runtime.hli.tools import Identity, ManagedTool, RequestKind, ToolAnswered
-from tests.cnc.decoder.programs import SETUP, Run, decode
+from tests.cnc.decoder.programs import SETUP, Run, decode, problems
 from tests.cnc.decoder.scripted_outside import Machine
 
 EXTERNAL = replace(SETUP, tools=ToolSetup(external=True, announce=True, answer_cycles=50))
@@ -212,3 +213,47 @@ def test_a_check_without_a_machine_takes_tools_without_dimensions_and_says_so() 
     assert made.problem is None
     assert made.ends == [[0, 0, 0]]
     assert [warning.entry for warning in made.decoder.warnings] == [T.MANAGEMENT_UNKNOWN]
+
+
+# -- tool life -----------------------------------------------------------------------------------------------------
+
+
+def life(made: Run) -> list[tuple[str, int, float, float]]:
+    blocks = [block for block in made.blocks if isinstance(block, ToolLifeAction)]
+    return [(block.command.value, block.basic, block.time, block.distance) for block in blocks]
+
+
+@pytest.mark.spec("isg.toolext.life-weighting")
+def test_factors_outlive_programs_and_are_1_at_first() -> None:
+    memory = ChannelMemory(EXTERNAL)
+    made = run("P1=V.TLM.TIME_FACT\nV.TLM.TIME_FACT=0.5\nV.TLM.DIST_FACT=3", memory=memory, tell_life=True)
+    assert made.parameters == {1: 1}
+    assert life(made) == [("V.TLM", 0, 1, 1), ("V.TLM", 0, 0.5, 1), ("V.TLM", 0, 0.5, 3)]
+    made = run("P1=V.TLM.TIME_FACT P2=V.TLM.DIST_FACT", memory=memory, tell_life=True)
+    assert made.parameters == {1: 0.5, 2: 3}
+    assert life(made) == [("V.TLM", 0, 0.5, 3)]
+    for text in ("V.TLM.TIME_FACT=-0.1", "V.TLM.DIST_FACT=-1"):
+        problem = run(text, memory=memory).problem
+        assert problem is not None
+        assert problem.entry is T.FIELD_VALUE
+
+
+def test_nobody_is_told_of_tool_life_who_does_not_want_to_know() -> None:
+    program = "T1\n#TOOL LIFE READ [1]\n#TOOL LIFE REMOVE\n#TOOL LIFE DEF [DIST=1 TIME=2]\nV.TLM.TIME_FACT=2"
+    assert life(run(program)) == []
+    assert life(run(program, external=False, tell_life=True)) == []
+    assert [row[0] for row in life(run(program, tell_life=True))] == [
+        "V.TLM", "T", "#TOOL LIFE READ", "#TOOL LIFE REMOVE", "#TOOL LIFE DEF", "V.TLM"
+    ]  # fmt: skip
+
+
+@pytest.mark.spec("isg.toolext.life-def", "isg.toolext.life-read-remove")
+def test_what_tool_life_does_not_take() -> None:
+    for text, entry in (
+        ("#TOOL LIFE DEF [DIST=-1 TIME=0]", T.FIELD_VALUE),
+        ("#TOOL LIFE DEF [DIST=1]", C.KEY_MISSING),
+        ("#TOOL LIFE READ []", T.ID_PARTS),
+        ("#TOOL LIFE READ [,1]", T.ID_PARTS),
+        ("#TOOL LIFE REMOVE [1]", C.STATEMENT_ARGUMENTS),
+    ):
+        assert [problem.entry for problem in problems(text, EXTERNAL)] == [entry], text

@@ -842,21 +842,25 @@ def test_mode_of_linear_and_modulo_axes() -> None:
 
 @pytest.mark.parametrize(
     ("name", "g"),
-    [("RERF", 74), ("DIAMETER_PROG.ABS", 51), ("DIAMETER_PROG.REL", 51), ("AXIS_DEACTIVATED", None)],
+    [("DIAMETER_PROG.ABS", 51), ("DIAMETER_PROG.REL", 51), ("AXIS_DEACTIVATED", None)],
 )
 def test_a_state_that_no_axis_can_get_into(name: str, g: int | None) -> None:
     assert g not in G_FUNCTIONS  # else the variable has to tell what it does
     assert value(f"V.A.{name}.X") == 0
 
 
-def test_asking_whether_an_axis_is_parked_flushes() -> None:
-    assert isinstance(decode("P1=V.A.AXIS_DEACTIVATED.X").blocks[0], Flush)
+@pytest.mark.parametrize("name", ["AXIS_DEACTIVATED", "RERF"])
+def test_asking_whether_an_axis_is_parked_or_has_its_reference_flushes(name: str) -> None:
+    assert isinstance(decode(f"P1=V.A.{name}.X").blocks[0], Flush)
 
 
 @pytest.mark.spec("isg.var.a-limits-offsets")
-def test_the_reference_point_is_not_known_before_a_reference_run() -> None:
-    assert 74 not in G_FUNCTIONS
-    assert values("G92 X10\nG00 X5\nP1=V.A.REF.X", start=(3.0, 0.0, 0.0)) == {1: 0}
+def test_the_reference_point_is_where_homing_finds_it() -> None:
+    setup = replace(SETUP, reference_points=(-25.4, 0.0, 0.0))
+    assert values("G92 X10\nG00 X5\nP1=V.A.REF.X\nG70\nP2=V.A.REF.X", setup=setup, start=(3.0, 0.0, 0.0)) == {
+        1: -25.4,
+        2: -1.0,
+    }
 
 
 @pytest.mark.spec("isg.var.a-limits-offsets")

@@ -15,7 +15,6 @@ KNOWN = {
     "V.G.WZ[].LINKPOINT": "link points of tools",
     "V.G.WZ_AKT.GOBJECT": "graphic objects of tools",
     "V.G.WZ_AKT.LINKPOINT": "link points of tools",
-    "V.TLM": "tool life",
     "V.G.LIMIT.KIN": "limits of the tool centre point",
     # coordinate systems and kinematics (lines 21190–21314, 21453–21458)
     "V.G.BCS_COUNT_DEF": "coordinate systems",
@@ -70,8 +69,6 @@ KNOWN = {
     "V.A.MOFFS": "measuring",
     "V.A.MERF": "measuring",
     "V.A.MEIN": "measuring",
-    "V.A.MANUAL_OFFSETS": "#GET MANUAL OFFSETS",
-    "V.A.SOFFS": "#GET MANUAL OFFSETS",
     "V.A.ENCODER2_VALUE": "second encoders",
     "V.A.ANTR_TYP": "drive types",
     "V.A.TORQUE_NOM": "drive data",

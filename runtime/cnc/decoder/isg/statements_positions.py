@@ -6,8 +6,10 @@ the command position: the next straight move leads from there to its target, and
 
 from __future__ import annotations
 
+from runtime.cnc.blocks import TakeOver
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
+from runtime.cnc.decoder.places import waits_for_place
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
 from runtime.diagnostics.catalogue import language as catalogue
@@ -89,6 +91,8 @@ def initialise(x: Execution, call: StatementCall) -> None:
     actual = call.given("ACTPOS")
     if actual == call.given("CMDPOS"):
         raise LineError(catalogue.POSITIONS_KIND, call.column)
+    if _by_hand(x):
+        return
     named = _named(x, call)
     command = command_position(x)
     position = command if actual else x.coordinates.position
@@ -100,7 +104,17 @@ def initialise(x: Execution, call: StatementCall) -> None:
 @statement("SET DEC LR SOLL", _INIT, flush=True)
 def initialise_command(x: Execution, call: StatementCall) -> None:
     """The old form of #CHANNEL INIT [CMDPOS]."""
+    if _by_hand(x):
+        return
     _begin_at(x, command_position(x), None)
+
+
+def _by_hand(x: Execution) -> bool:
+    """The path takes over what the axes were moved by hand: the block waits for it, then it is executed once more."""
+    offsets = x.outside.manual_offsets()
+    if x.waiting is None and (offsets is None or not offsets.any()):
+        return False
+    return waits_for_place(x, TakeOver(x.source), "#CHANNEL INIT")
 
 
 def _named(x: Execution, call: StatementCall) -> frozenset[int]:

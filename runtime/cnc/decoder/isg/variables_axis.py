@@ -16,7 +16,6 @@ _LIMITS = "isg.var.a-limits-offsets"
 _STATUS = "isg.var.a-axis-status"
 _COMPENSATIONS = "isg.var.a-compensations"
 _LENGTH = "mm, inch, deg"
-_REFERENCE_RUN = (74,)
 _LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
 
 
@@ -63,10 +62,10 @@ _limit("-SWE_MDS", 0, True, "configured software limit in the negative direction
 _limit("+SWE_MDS", 1, True, "configured software limit in the positive direction")
 
 
-@variable("V.A.REF.<axis>", _LIMITS, "machine reference point; 0, since no reference run is made", unit=_LENGTH)
+@variable("V.A.REF.<axis>", _LIMITS, "machine reference point, where homing finds it", unit=_LENGTH)
 def reference_point(x: Execution, axis: int) -> float:
-    require_absent("V.A.REF", (), _REFERENCE_RUN)
-    return 0.0
+    places = x.setup.reference_points
+    return x.shown(axis, places[axis]) if places else 0.0
 
 
 @variable("V.A.BZP.<axis>", _LIMITS, "reference point offset (G92)", unit=_LENGTH)
@@ -99,10 +98,9 @@ def mirror(x: Execution, axis: int) -> float:
     return x.coordinates.mirror_plane[axis] * x.coordinates.mirror_axis[axis]
 
 
-@variable("V.A.RERF.<axis>", _STATUS, "0: no reference run is made, encoders are absolute")
+@variable("V.A.RERF.<axis>", _STATUS, "1: the axis has its reference", flush=True)
 def referenced(x: Execution, axis: int) -> float:
-    require_absent("V.A.RERF", (), _REFERENCE_RUN)
-    return 0.0
+    return float(x.outside.referenced(axis))
 
 
 @variable("V.A.MODE.<axis>", _STATUS, "axis mode: 1 linear, 4 turns without end")
@@ -120,9 +118,9 @@ def modulo_range(x: Execution, axis: int) -> float:
     return 360.0 if axis in x.modulo_axes else 0.0
 
 
-@variable("V.A.AXIS_DEACTIVATED.<axis>", _STATUS, "0: axes cannot be parked", flush=True)
+@variable("V.A.AXIS_DEACTIVATED.<axis>", _STATUS, "1: the axis is parked", flush=True)
 def parked(x: Execution, axis: int) -> float:
-    return 0.0
+    return float(x.outside.parked(axis))
 
 
 def _diameter(kind: str) -> None:

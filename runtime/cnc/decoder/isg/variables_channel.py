@@ -111,7 +111,7 @@ def execution_mode(x: Execution) -> float:
     return 0.0
 
 
-@variable("V.G.ACTIVE_MODE", _STATE, "mode that the program was started in: 2 automatic")
+@variable("V.G.ACTIVE_MODE", _STATE, "mode that the program was started in: 2 automatic, 3 MDI, 4 manual, 5 homing")
 def operating_mode(x: Execution) -> float:
     return float(x.outside.operating_mode())
 

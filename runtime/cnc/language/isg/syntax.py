@@ -31,6 +31,7 @@ class Group(Enum):
     CALL = "implicit subprogram call"
     OVERRIDE = "override"
     EXACT_STOP = "exact stop"
+    MANUAL = "manual mode"
     ACCELERATING = "acceleration or deceleration in the block"
     BRAKING = "where a block brakes"
     CORNER_DECELERATION = "corner deceleration"

@@ -1,0 +1,165 @@
+"""Axis jobs of the whole machine in the cycle: from the slots of the HLI to the set-points, and back what became of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.axes.axis_plan import Dynamics
+from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, MasterPlaces
+from runtime.config.machine import AxisType, Machine
+from runtime.diagnostics.catalogue import axis_jobs as errors
+from runtime.diagnostics.errors import Problem
+from runtime.drives import DriveImage
+from runtime.hli.axis_jobs import Answer, JobSlot
+from runtime.hli.layout import Hli, JobState, MotionState
+
+Commands = Callable[[int], tuple[float, bool]]  # index of an axis -> override, hold
+
+
+class MachineJobs:
+    """Built once; `step` is called in every cycle after the path has given its set-points."""
+
+    def __init__(self, machine: Machine, hli: Hli, image: DriveImage, path: list[int]) -> None:
+        """`path`: indices of the axes of the channel."""
+        self._image = image
+        self._names = [axis.name for axis in machine.axes]
+        self._path = [i in path for i in range(len(machine.axes))]
+        numbers = {axis.log_axis: i for i, axis in enumerate(machine.axes) if axis.type is not AxisType.SPINDLE}
+        masters = MasterPlaces(numbers, image.target_position, image.actual_position)
+        period = machine.cycle.period
+        self.axes: list[AxisJobs | None] = [
+            None
+            if axis.type is AxisType.SPINDLE
+            else AxisJobs(
+                axis.name,
+                i,
+                Dynamics(axis.velocity, axis.acceleration, axis.jerk),
+                period,
+                -np.inf if axis.position_min is None else axis.position_min,
+                np.inf if axis.position_max is None else axis.position_max,
+                masters,
+            )
+            for i, axis in enumerate(machine.axes)
+        ]
+        self._slots = [JobSlot(hli.axes[i]) for i in range(len(machine.axes))]
+        self._units = [slot.unit for slot in self._slots]
+        self._before: list[tuple[bool, bool, bool] | None] = [None] * len(machine.axes)
+        self.problems: list[tuple[int, Problem]] = []  # with the axis; taken by the controller
+
+    # ------------------------------------------------------------------ the cycle
+
+    def step(
+        self,
+        enabled: list[bool],
+        path_active: bool,
+        faults: npt.NDArray[np.int8],
+        in_position: npt.NDArray[np.bool_],
+        commands: Commands,
+    ) -> None:
+        """One cycle: take what the slots hold, move the axes that jobs have, answer."""
+        for i, jobs in enumerate(self.axes):
+            unit = self._units[i]
+            waits = unit.command_semaphor_rw
+            if jobs is None:
+                if waits:
+                    self._refuse_spindle(i)
+                continue
+            state = (enabled[i], path_active and self._path[i], bool(faults[i]))
+            if not (waits or jobs.owned or jobs.probe_input or state != self._before[i]):
+                continue
+            self._before[i] = state
+            self._step_axis(i, jobs, state, bool(in_position[i]), commands)
+
+    def _step_axis(
+        self, i: int, jobs: AxisJobs, state: tuple[bool, bool, bool], in_position: bool, commands: Commands
+    ) -> None:
+        image, unit = self._image, self._units[i]
+        override, hold = commands(i)
+        on, in_path, fault = state
+        actual = float(image.actual_position[i])
+        cycle = AxisCycle(
+            on, fault, in_path, float(image.target_position[i]), actual, in_position, override, hold, unit.stop_hold_w
+        )
+        job = self._slots[i].take()
+        if job is not None:
+            jobs.give(job, cycle)
+        if jobs.probe_input:
+            bit = jobs.probe_input - 1
+            byte = int(image.digital_in[bit // 8]) if bit // 8 < len(image.digital_in) else 0
+            jobs.trigger(bool(byte >> bit % 8 & 1), actual)
+        place = jobs.step(cycle)
+        if place is not None:
+            image.target_position[i] = place
+        if jobs.changed or jobs.problems or unit.motion_state_r != jobs.state or unit.error_id_r != jobs.error:
+            self._tell(i, jobs)
+
+    def _tell(self, i: int, jobs: AxisJobs) -> None:
+        slot, unit = self._slots[i], self._units[i]
+        for followed in jobs.changed:
+            if followed.job.number:
+                slot.answer(followed.job.number, followed.answer)
+        jobs.changed.clear()
+        for problem in jobs.problems:
+            self.problems.append((i, problem))
+        jobs.problems.clear()
+        unit.motion_state_r = jobs.state
+        unit.error_id_r = jobs.error
+
+    def _refuse_spindle(self, i: int) -> None:
+        slot = self._slots[i]
+        job = slot.take()
+        if job is not None:
+            values = {"axis": self._names[i], "function": job.function.name}
+            self.problems.append((i, Problem(errors.JOB_SPINDLE, values)))
+            slot.answer(job.number, Answer(JobState.ERROR, errors.JOB_SPINDLE.id))
+
+    # ------------------------------------------------------------------ orders of the machine
+
+    def stop(self, reason: str) -> None:
+        """Every job ends, its axis comes to rest."""
+        for jobs in self.axes:
+            if jobs is not None:
+                jobs.stop(reason)
+
+    def let_go(self) -> None:
+        """The drives brake by themselves (quick stop)."""
+        for i, jobs in enumerate(self.axes):
+            if jobs is not None and jobs.owned:
+                jobs.stop("quick stop")
+                jobs.let_go()
+                self._tell(i, jobs)
+
+    def reset(self) -> None:
+        """Jobs under way end; axes that rest leave ErrorStop."""
+        self.stop("reset")
+        for i, jobs in enumerate(self.axes):
+            if jobs is not None:
+                jobs.reset()
+                self._tell(i, jobs)
+
+    # ------------------------------------------------------------------ what the others want to know
+
+    @property
+    def standing(self) -> bool:
+        """No job moves an axis."""
+        return all(jobs is None or jobs.standing for jobs in self.axes)
+
+    def moved_path_axis(self) -> int | None:
+        """An axis of the channel that a job has."""
+        for i, jobs in enumerate(self.axes):
+            if jobs is not None and self._path[i] and jobs.moving:
+                return i
+        return None
+
+    def owns(self, i: int) -> bool:
+        """Whether jobs say where an axis goes."""
+        jobs = self.axes[i]
+        return jobs is not None and jobs.owned
+
+    def state(self, i: int) -> MotionState:
+        """State of an axis in PLCopen's diagram; spindles are outside of it."""
+        jobs = self.axes[i]
+        return MotionState.DISABLED if jobs is None else jobs.state

@@ -1,0 +1,66 @@
+"""Errors of axis jobs: PLCopen motion blocks of the PLC, and `X[MC_...]` of the NC program."""
+
+from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
+
+
+def _entry(number: int, text: str, remedy: str) -> ErrorEntry:
+    return ErrorEntry(number, text, severity=Severity.ERROR, reaction=Reaction.NONE, remedy=remedy)
+
+
+JOB_UNKNOWN = _entry(308001, "axis {axis}: a job whose numbers are none of the interface", "see runtime/hli/layout.py")
+JOB_DISABLED = _entry(
+    308002,
+    "axis {axis}: {function} without an enabled drive",
+    "switch the axis on first (MC_Power) and wait for Status",
+)
+JOB_IN_PATH = _entry(
+    308003,
+    "axis {axis}: {function} while an NC program or a mode of the channel uses the axis",
+    "wait for the end of the program, or take the axis out of the channel",
+)
+JOB_ERROR_STOP = _entry(308004, "axis {axis}: {function} in the state ErrorStop", "remove the cause, then MC_Reset")
+JOB_STOPPING = _entry(308005, "axis {axis}: {function} in the state Stopping", "take Execute of MC_Stop back first")
+JOB_LIMIT = _entry(
+    308006,
+    "axis {axis}: {function} would lead to {position:.4f}, beyond the software limits {least:.4f} ... {greatest:.4f}",
+    "correct the target, or the limits in the machine description",
+)
+JOB_AT_LIMIT = _entry(
+    308007, "axis {axis}: {function} has come to a software limit, the axis stands there", "move it back"
+)
+JOB_VALUE = _entry(308008, "axis {axis}: {function}: {what}", "correct the inputs of the block")
+JOB_BUFFER_FULL = _entry(
+    308009, "axis {axis}: {function} cannot be buffered: one job waits already", "give it when the one before is active"
+)
+JOB_SPINDLE = _entry(
+    308010,
+    "{axis} is a speed-controlled spindle: {function} needs an axis with position control",
+    "command the spindle by S functions, or describe it as a rotary axis",
+)
+JOB_NO_GEAR = _entry(308011, "axis {axis}: {function} without a gear", "MC_GearIn first")
+JOB_NO_ROOM = _entry(
+    308012,
+    "axis {axis}: {function} leaves the axis no room: {what}",
+    "give both motions lower velocities and accelerations, so that their sum is what the axis can",
+)
+JOB_GEAR_LOST = _entry(
+    308013,
+    "axis {axis} cannot follow its master: {what}; it has stopped",
+    "slow the master down, lower the ratio, or move the slave away from its limit",
+)
+JOB_MASTER = _entry(
+    308014, "axis {axis}: there is no master axis with number {master}, or it is the axis itself", "name another"
+)
+JOB_STOPPED = _entry(
+    308015, "axis {axis}: {function} was stopped: {reason}", "remove the cause, then MC_Reset and the job again"
+)
+JOB_HOME = _entry(
+    308016,
+    "axis {axis}: MC_Home is not available in this version for an axis that has to look for its reference",
+    "use the operating mode HOMING, or G74",
+)
+JOB_RUNS = ErrorEntry(
+    308017,
+    "a job of the PLC moves axis {axis}: no program can start",
+    remedy="wait for its end, or stop the axis (MC_Stop, reset)",
+)
