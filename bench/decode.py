@@ -29,6 +29,8 @@ SURFACE_MOVES = 200_000
 LOOP_PASSES = 20_000
 PLAIN_LIMIT = 5_000_000.0  # blocks/s
 QUEUE_LIMIT = 1_000_000.0
+HSC_LIMIT = 100_000.0
+SMOOTHED_MOVES = 50_000
 LOOP_LIMIT = 300_000.0
 
 
@@ -42,6 +44,12 @@ def measure() -> list[Figure]:
         folder = Path(name)
         surface = programs.write(folder, "surface.nc", programs.surface(SURFACE_MOVES))
         loop = programs.write(folder, "loop.nc", programs.loop(LOOP_PASSES))
+        hsc = programs.write(
+            folder, "hsc.nc", programs.smoothed_surface(SMOOTHED_MOVES, "#HSC ON [BSPLINE PATH_DEV=0.01]")
+        )
+        corners = programs.write(
+            folder, "corners.nc", programs.smoothed_surface(SMOOTHED_MOVES, "#CONTOUR MODE ON [DEV PATH_DEV=0.01]")
+        )
         while_loop = programs.write(folder, "while.nc", programs.while_loop(LOOP_PASSES))
         arcs = programs.write(folder, "arcs.nc", programs.arcs(LOOP_PASSES))
         check(surface, setup, limits, axes)
@@ -52,6 +60,16 @@ def measure() -> list[Figure]:
                 "plain blocks, from the file to the motion queue",
                 SURFACE_MOVES / seconds(lambda: _prepare(surface, machine)),
                 QUEUE_LIMIT,
+            ),
+            (
+                "short moves through an HSC B-spline to the motion queue",
+                SMOOTHED_MOVES / seconds(lambda: _prepare(hsc, machine)),
+                HSC_LIMIT,
+            ),
+            (
+                "corners through contouring to the motion queue",
+                SMOOTHED_MOVES / seconds(lambda: _prepare(corners, machine)),
+                None,
             ),
             (
                 "WHILE with two assignments and a motion",

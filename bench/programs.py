@@ -15,6 +15,11 @@ def surface(moves: int, step: float = 0.1) -> str:
     return _SURFACE_BEGIN + _surface_moves(moves, step) + _SURFACE_END
 
 
+def smoothed_surface(moves: int, selection: str) -> str:
+    """The same with a smoothing method selected in front of the moves."""
+    return f"{_SURFACE_BEGIN}{selection}\n{_surface_moves(moves, 0.1)}M30\n"
+
+
 def _surface_moves(moves: int, step: float) -> str:
     lines = []
     per_row = round(40.0 / step)

@@ -427,6 +427,82 @@ class ContourChange:
     keeps: bool = False
 
 
+class SplineKind(Enum):
+    """Curves over the targets of straight moves."""
+
+    AKIMA = "AKIMA"  # through the points
+    BSPLINE = "BSPLINE"  # the points are control points
+    HSC = "HSC"  # as BSPLINE, within a tolerance
+
+
+class Tangent(Enum):
+    """Where the direction at the end of an Akima spline comes from."""
+
+    AUTO = "AUTO"  # the points
+    TANGENTIAL = "TANGENTIAL"  # the neighbouring motion
+    USER = "USER"  # the program
+
+
+@dataclass(frozen=True, slots=True)
+class Spline:
+    """A curve over the targets of straight moves; lengths in mm, angles in degrees.
+
+    HSC: `deviation`, `tracking_deviation` 0 are not watched; where they are exceeded the curve follows the programmed path
+    nearer to the corner, or with `sharp` (`sharp_tracking`) ends there. `merge`: short moves may become one. Moves longer
+    than `longest` (0: none), rapid ones with `without_rapid`, and corners sharper than `greatest_angle` interrupt the curve.
+    AKIMA: `start`, `end`, and the vectors (n_axes,) of USER, NaN where an axis has none.
+    """
+
+    kind: SplineKind
+    deviation: float = 0.0
+    tracking_deviation: float = 0.0
+    merge: bool = False
+    sharp: bool = False
+    sharp_tracking: bool = False
+    without_rapid: bool = False
+    longest: float = 0.0
+    greatest_angle: float = 180.0
+    start: Tangent = Tangent.AUTO
+    end: Tangent = Tangent.AUTO
+    start_vector: tuple[float, ...] | None = None
+    end_vector: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SplineChange:
+    """Straight moves from here on are a curve, None: what they are. Taken by the stage; it does not reach the queue."""
+
+    source: Source
+    spline: Spline | None
+
+
+class ArcPieces(Enum):
+    """What an arc becomes: lines of a length, lines within a chord error, arcs of a length."""
+
+    LINES = 0
+    CHORD_ERROR = 1
+    ARCS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Segmentation:
+    """#SEGMENTATION: lines in pieces of `length`, arcs as `mode` says; `parameter` is a length or a chord error, mm."""
+
+    lines: bool = False
+    length: float = 1.0
+    arcs: bool = False
+    mode: ArcPieces = ArcPieces.LINES
+    parameter: float = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentationChange:
+    """How motions are divided from here on. Taken by the stage; it does not reach the queue."""
+
+    source: Source
+    segmentation: Segmentation
+
+
 @dataclass(frozen=True, slots=True)
 class ToolRadius:
     """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
@@ -661,6 +737,8 @@ Block = (
     | DynamicsChange
     | RadiusCompensation
     | ContourChange
+    | SplineChange
+    | SegmentationChange
     | ToolRadius
     | AxisLimitChange
     | Flush

@@ -62,6 +62,7 @@ class ModalState:
     radius: float | None = None  # mm, of circles by radius; negative for the longer arc
     speed: float = 0.0  # rev/min of the main spindle
     exact_stop: bool = False  # G360, G359
+    contouring: bool = False  # G261, G260
     corner_size: float | None = None  # I of G301 and G302, mm
     compensation_side: int = 0  # G40 0, G41 1, G42 -1
     approach: Approach = Approach.INDIRECT

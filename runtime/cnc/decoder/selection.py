@@ -5,6 +5,7 @@ from __future__ import annotations
 from runtime.cnc.decoder.coordinates import Rotation
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.modal import ModalState
+from runtime.cnc.decoder.smoothing import select_contouring
 from runtime.diagnostics.catalogue import language as catalogue
 
 # Signs of the first two main axes by G number; values of the third are never mirrored, in no plane (line 4139).
@@ -51,6 +52,8 @@ def restore_modal(x: Execution, saved: ModalState) -> None:
         select_zero_offset(x, saved.zero_offset)
     if left.mirror != saved.mirror:
         select_mirror(x, saved.mirror)
+    if left.contouring != saved.contouring:
+        select_contouring(x, saved.contouring)
     if left.plane is not saved.plane:
         plane_changed(x, 1)
     x.compensation.follow(x)

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from runtime.cnc.blocks import Contouring
+from runtime.cnc.blocks import ContourChange, Contouring, Segmentation, Spline, SplineKind
+
+if TYPE_CHECKING:
+    from runtime.cnc.decoder.execution import Execution
+
+HSC_DEFAULT = Spline(SplineKind.HSC, deviation=0.2, tracking_deviation=5.0, greatest_angle=160.0)  # lines 9050–9100
 
 
 @dataclass(slots=True)
@@ -12,5 +18,18 @@ class Smoothing:
     """State of a program: settings last until they are programmed anew, also while their method is off."""
 
     contouring: Contouring = field(default_factory=Contouring)
-    contouring_on: bool = False
     own_track_distance: bool = False  # TRACK_DIST was programmed; until then it is PATH_DIST
+    spline_kind: SplineKind = SplineKind.AKIMA
+    akima: Spline = field(default_factory=lambda: Spline(SplineKind.AKIMA))
+    spline_on: bool = False
+    hsc: Spline = HSC_DEFAULT
+    hsc_bspline: bool = False  # what #HSC ON selects: a B-spline, else transition polynomials
+    contour_error: float = 0.1  # mm, of the transition polynomials
+    hsc_on: bool = False
+    segmentation: Segmentation = field(default_factory=Segmentation)
+
+
+def select_contouring(x: Execution, on: bool, keeps: bool = True) -> None:
+    """G261, G260; `keeps`: the corner at the end of the motion before is not concerned."""
+    x.modal.contouring = on
+    x.emit(ContourChange(x.source, x.smoothing.contouring if on else None, keeps=keeps))

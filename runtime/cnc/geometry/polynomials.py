@@ -32,10 +32,11 @@ MAP = TERMS  # the row of u(σ)
 ROWS = TERMS + 1
 SPEED_ERROR = 5e-4  # |dq/ds| - 1
 MOST_PARTS = 64  # of one element
+GREATEST_SPEED_ERROR = 0.2  # of such a part: what it costs is speed, as the limits are those of what is driven
 MAIN_AXES = 3
 
-_PIECES = 8  # of the integral of the length
-_TEST_PLACES = 24
+_PIECES = 4  # of the integral of the length
+_TEST_PLACES = 12
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 GAUSS_PLACES = 0.5 * (_NODES + 1.0)
@@ -130,6 +131,15 @@ def fit_parameter(coefficients: Floats, first: int, last: int, table: Floats) ->
 
     An error of inf: the element stands still somewhere, or the map would run backwards.
     """
+    straight = 0.0
+    for power in range(2, TERMS):
+        for axis in range(coefficients.shape[1]):
+            straight = max(straight, abs(coefficients[power, axis]))
+    if straight == 0.0:
+        length, _ = speed_at(coefficients, 0.0, first, last)
+        for power in range(WIDTH):
+            table[MAP, power] = 1.0 if power == 1 else 0.0
+        return length, 0.0 if length > 0.0 else np.inf
     borders = np.zeros(_PIECES + 1)
     for piece in range(_PIECES):
         borders[piece + 1] = borders[piece] + way_between(
@@ -217,9 +227,9 @@ def arrange(
         c = coefficients[element]
         split = min(MAIN_AXES, n)
         along_main, along_others = 0.0, 0.0
-        for piece in range(_PIECES):
-            along_main += way_between(c, piece / _PIECES, (piece + 1) / _PIECES, 0, split)
-            along_others += way_between(c, piece / _PIECES, (piece + 1) / _PIECES, split, n)
+        along_main = way_between(c, 0.0, 1.0, 0, split)
+        if n > split or along_main <= 1e3 * no_length:
+            along_others = way_between(c, 0.0, 1.0, split, n)
         by_main = along_main > no_length and along_main > 1e-6 * along_others
         first, last = (0, split) if by_main else (split, n)
         empty = max(along_main, along_others) <= no_length
@@ -233,9 +243,11 @@ def arrange(
                 length, width = 0.0, 1.0
             elif error > SPEED_ERROR:
                 width *= 0.5
-                if width < 1.0 / MOST_PARTS:
+                if width >= 1.0 / MOST_PARTS:
+                    continue
+                if error > GREATEST_SPEED_ERROR:
                     return count, element
-                continue
+                width *= 2.0
             for power in range(TERMS):
                 for axis in range(n):
                     tables[count, power, axis] = part[power, axis]

@@ -1,6 +1,6 @@
 """Polynomial elements for the queue: their tables, and what the axes allow on them.
 
-At 17 places of an element q', q'' and q''' are taken as they are driven, errors of the parameter included. The path velocity
+At PLACES of an element q', q'' and q''' are taken as they are driven, errors of the parameter included. The path velocity
 is chosen so that curvature takes at most its share of the acceleration (see `dynamics`) and its change RATE_SHARE of the
 jerk. Of what is left the tangential acceleration takes, per axis, the better of two bounds that both hold:
 
@@ -34,8 +34,8 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
-PLACES = 17
-BETWEEN = 0.995  # what may lie higher between two places
+PLACES = 9
+BETWEEN = 0.985  # what may lie higher between two places
 RATE_SHARE = 0.4  # of the jerk, for the change of curvature
 BEND_SHARE = 0.4  # of the jerk, for accelerating on a curve
 

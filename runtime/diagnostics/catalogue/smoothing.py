@@ -26,3 +26,22 @@ VALUE_RANGE = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
 )
 ACCELERATION_ORDER = ErrorEntry(300504, "ACC_MIN is greater than ACC_MAX", reaction=Reaction.STOP_AT_BLOCK_END)
+SPLINE_POINTS = ErrorEntry(
+    300505,
+    "the {kind} spline ends after {points} points; it needs {least}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program more points between selection and deselection, or straight moves without a spline",
+)
+WHILE_ACTIVE = ErrorEntry(
+    300506,
+    "{statement} cannot change anything while the curve is on",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="write it in front of the selection, or behind {off}",
+)
+TANGENT_AXIS = ErrorEntry(
+    300507,
+    "the tangent has no component of {axis}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="name all main axes, with 0 where the curve has no direction",
+)
+TANGENT_ZERO = ErrorEntry(300508, "the tangent has no direction", reaction=Reaction.STOP_AT_BLOCK_END)

@@ -14,6 +14,7 @@ from runtime.cnc.blocks import (
     Arc,
     Block,
     BlockEnd,
+    ContourChange,
     Dwell,
     Floats,
     Line,
@@ -23,6 +24,8 @@ from runtime.cnc.blocks import (
     TechnologyFunction,
     Wait,
 )
+from runtime.cnc.path_preparation import smooth
+from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.diagnostics.catalogue import motion
 from runtime.diagnostics.catalogue import smoothing as catalogue
 from tests.cnc.decoder.programs import SETUP, decode
@@ -233,7 +236,6 @@ def test_the_user_says_where_the_path_is_left(text: str, before: float, behind: 
     assert all(joint.turn < 1e-6 and joint.bend < 1e-6 for joint in joints(program.blocks))
 
 
-@pytest.mark.spec("isg.smooth.contour-dist-soft")
 def test_the_soft_curve_uses_the_share_of_the_acceleration() -> None:
     program = smoothed("#CONTOUR MODE [DIST_SOFT PATH_DIST=12]\nG00 Y80\nG261 G01 X40 Y40 F6000\nX80 Y80\nM30")
     speed = 100.0  # mm/s
@@ -256,7 +258,6 @@ def test_the_soft_curve_uses_the_share_of_the_acceleration() -> None:
     assert np.linalg.norm(free.curves[0][0] - [40.0, 40.0, 0.0]) > 12.0
 
 
-@pytest.mark.spec("isg.smooth.contour-dist-soft")
 def test_the_soft_curve_falls_back_to_distances_at_circles() -> None:
     program = smoothed("#CONTOUR MODE [DIST_SOFT PATH_DIST=3]\nG61 G01 F1000 X40\nG02 X50 Y10 I10 J0\nM30")
     assert len(program.curves) == 2
@@ -314,7 +315,16 @@ def test_settings_stay_and_can_be_given_one_after_the_other() -> None:
     assert all((a == b).all() for a, b in zip(one.curves, many.curves, strict=True))
 
 
-@pytest.mark.spec("isg.smooth.contour-mode-command", "chan.poly.options")
+@pytest.mark.spec("isg.smooth.contour-select")
+def test_a_cycle_leaves_contouring_as_it_was() -> None:
+    files = {"C": "G261 X10 F1000\nX10 Y10\nM17"}
+    run = decode("%M\nG01 F1000 X1\nL CYCLE [NAME=C]\nX0 Y10\nX0 Y0\nM30", files=files)
+    assert run.problem is None
+    changes = [block.contouring is not None for block in run.blocks if isinstance(block, ContourChange)]
+    assert changes == [True, False]
+
+
+@pytest.mark.spec("isg.smooth.contour-mode-command")
 def test_inch_holds_for_lengths_where_the_channel_says_so() -> None:
     text = "G70\n#CONTOUR MODE [DIST PRE_DIST=1 POST_DIST=1]\nG61 G01 F1000 X10\nY10\nM30"
     for inch, distance in ((False, 1.0), (True, 25.4)):
@@ -419,7 +429,6 @@ def test_a_block_without_the_main_axes_is_no_partner() -> None:
 # ---------------------------------------------------------------------------------------------------- short blocks
 
 
-@pytest.mark.spec("isg.smooth.contour-relevant-length")
 def test_short_blocks_are_skipped() -> None:
     text = "#CONTOUR MODE [DEV PATH_DEV=5 RELEVANT_PATH={}]\nG01 F1000 X5 G261\nY1\nX10 Y3 G260\nX20\nM30"
     skipping, whole = smoothed(text.format(2), start=(-20, 0, 0)), smoothed(text.format(0.5), start=(-20, 0, 0))
@@ -430,7 +439,6 @@ def test_short_blocks_are_skipped() -> None:
                for block in skipping.blocks) >= 3  # fmt: skip
 
 
-@pytest.mark.spec("isg.smooth.contour-relevant-length")
 def test_a_series_of_short_blocks_is_skipped_as_long_as_it_stays_near() -> None:
     steps = "\n".join(f"Y{0.8 * k:.1f}" for k in range(1, 4))
     program = smoothed(f"#CONTOUR MODE [DEV PATH_DEV=3 RELEVANT_PATH=2]\nG261 G01 F1000 X50\n{steps}\nX100\nM30")
@@ -438,7 +446,6 @@ def test_a_series_of_short_blocks_is_skipped_as_long_as_it_stays_near() -> None:
     assert program.curves[1].sum(axis=0) == pytest.approx([50.0, 2.0, 0.0])
 
 
-@pytest.mark.spec("isg.smooth.contour-relevant-length")
 def test_what_is_skipped_comes_back_where_no_curve_is_possible() -> None:
     program = smoothed("#CONTOUR MODE [DEV PATH_DEV=1 RELEVANT_PATH=2]\nG261 G01 F1000 X50\nY1\nG260\nX100\nM30")
     assert deviation(program) < 1e-9
@@ -517,3 +524,27 @@ def test_driven_along_a_square_spiral() -> None:
     check_path_laws(run)
     assert run.path[-1] == pytest.approx([x, y, 0.0], abs=1e-12)
     assert isinstance(program.blocks[-1], Stop)
+
+
+# ---------------------------------------------------------------------------------------------------- with radius compensation
+
+_SQUARE = "X20\nX20 Y20\nX0 Y20\nX0 Y5"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"G261\nG41 G138 X0 Y0\n{_SQUARE}\nG40 G138 X-20 Y0\nG260",
+        f"G41 G138 G261 X0 Y0\n{_SQUARE}\nG260 G40 G138 X-20 Y0",
+        "G41 G138 X0 Y0\nX20\nG261\nX20 Y20\nX0 Y20\nG260\nX0 Y5\nG40 G138 X-20 Y0",
+        "G261\nG41 G138 X0 Y0\nX20\nG260 X20 Y20\nG261 X0 Y20\nX0 Y5\nG40 G138 X-20 Y0\nG260",
+    ],
+)
+def test_contouring_goes_on_the_compensated_contour(text: str) -> None:
+    run = decode(f"V.G.WZ_AKT.R=2 F1000 G01 X-20 Y-20\n#CONTOUR MODE [DEV PATH_DEV=0.3]\n{text}\nM30")
+    assert run.problem is None, run.problem
+    compensated = list(ToolRadiusCompensation()(iter(run.blocks)))
+    program = Smoothed(compensated, list(smooth(iter(compensated), HARD)), [])
+    assert program.curves
+    assert deviation(program) <= 0.3 + 1e-4  # chords of the judge
+    assert ends_meet(program.blocks) < 1e-9

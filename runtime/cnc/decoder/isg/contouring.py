@@ -9,6 +9,7 @@ from typing import Any
 from runtime.cnc.blocks import ContourAction, ContourChange, Contouring, ContourMethod
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, StatementCall, StatementHandler, g_function, statement, variable
+from runtime.cnc.decoder.smoothing import select_contouring
 from runtime.cnc.language.isg.syntax import Form, Group, Key, KeyKind
 from runtime.diagnostics.catalogue import smoothing as catalogue
 
@@ -48,7 +49,7 @@ def contour_here(x: Execution, call: GCall) -> None:
 
 @g_function(261, Group.CONTOURING, "isg.smooth.contour-select", "isg.g.polynomial-contouring")
 def contour_on(x: Execution, call: GCall) -> None:
-    _select(x, True)
+    select_contouring(x, True)
 
 
 @g_function(260, Group.CONTOURING, "isg.smooth.contour-select", "isg.g.polynomial-contouring")
@@ -56,12 +57,7 @@ def contour_off(x: Execution, call: GCall) -> None:
     """Beside a motion only its own end is concerned, alone also that of the motion before."""
     block = x.block
     motion = block is not None and bool(block.axes or block.interpolation or block.additions)
-    _select(x, False, keeps=motion)
-
-
-def _select(x: Execution, on: bool, keeps: bool = True) -> None:
-    x.smoothing.contouring_on = on
-    x.emit(ContourChange(x.source, x.smoothing.contouring if on else None, keeps=keeps))
+    select_contouring(x, False, keeps=motion)
 
 
 _NUMBER = {ContourMethod.DISTANCE: 3, ContourMethod.DEVIATION: 4, ContourMethod.POINT: 5, ContourMethod.SOFT: 6}
@@ -69,7 +65,7 @@ _NUMBER = {ContourMethod.DISTANCE: 3, ContourMethod.DEVIATION: 4, ContourMethod.
 
 @variable("V.G.CONT_MODE_ACTIVE", "isg.var.g-active-flags", "with G261: 3 DIST, 4 DEV, 5 POS, 6 DIST_SOFT; 0 with G260")
 def contour_method(x: Execution) -> float:
-    return float(_NUMBER[x.smoothing.contouring.method]) if x.smoothing.contouring_on else 0.0
+    return float(_NUMBER[x.smoothing.contouring.method]) if x.modal.contouring else 0.0
 
 
 # ---------------------------------------------------------------------------------------------------- #CONTOUR MODE
@@ -84,9 +80,9 @@ def _statement(name: str, on: bool | None) -> StatementHandler:
         state = x.smoothing
         state.contouring = settings_of(x, call, state.contouring)
         if on is not None:
-            _select(x, on, keeps=on)
-        elif state.contouring_on:
-            _select(x, True)
+            select_contouring(x, on, keeps=on)
+        elif x.modal.contouring:
+            select_contouring(x, True)
 
     return contour_mode
 
@@ -129,7 +125,7 @@ def settings_of(x: Execution, call: StatementCall, now: Contouring) -> Contourin
             continue
         if not least <= value <= most:
             raise call.error(catalogue.VALUE_RANGE, name, key=name, value=value, least=least, most=most)
-        changes[field] = value * (_length(x) if name in _LENGTHS else scale)
+        changes[field] = value * (length_unit(x) if name in _LENGTHS else scale)
     if call.given("DIST_WEIGHT") and call.number("DIST_WEIGHT") != 0:
         raise call.error(catalogue.METHOD_UNSUPPORTED, "DIST_WEIGHT", method="DIST_WEIGHT")
     if soft and "before" in changes and "tracking_distance" not in changes and not x.smoothing.own_track_distance:
@@ -167,7 +163,7 @@ _NUMBERS = (
 _LENGTHS = frozenset({"PATH_DEV", "PRE_DIST", "POST_DIST", "PATH_DIST", "RELEVANT_PATH"})
 
 
-def _length(x: Execution) -> float:
+def length_unit(x: Execution) -> float:
     """mm per programmed unit: inch under G70 with P-CHAN-00439 only."""
     return x.length(1.0) if x.setup.contouring_inch else 1.0
 

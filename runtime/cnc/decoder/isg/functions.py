@@ -12,6 +12,8 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_spindle,
     g_transition,
     g_weights,
+    segmentation,
+    splines,
     statements_channel,
     statements_cycles,
     statements_display,

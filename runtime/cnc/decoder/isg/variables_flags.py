@@ -40,11 +40,8 @@ def radius_compensated(x: Execution) -> float:
 ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "TRAFO_ACTIVE": (("TRAFO",), ()),
     "MCS_ACTIVE": (("MCS",), ()),
-    "HSC_ACTIVE": (("HSC", "SPLINE", "SET SPLINE"), (151,)),
-    "HSC_SURFACE_ACTIVE": (("HSC",), ()),
     "OTC_ACTIVE": (("OTC",), ()),
     "CAXTRACK_ACTIVE": (("CAXTRACK",), ()),
-    "SEGMENTATION_ACTIVE": (("SEGMENTATION",), ()),
     "STROKE_DEF_ACTIVE": (("STROKE DEF",), ()),
     "PUNCH_ACTIVE": (("PUNCH",), ()),
     "NIBBLE_ACTIVE": (("NIBBLE",), ()),

@@ -43,6 +43,7 @@ class Group(Enum):
     COMPENSATED_FEED = "feed of the radius compensation"
     MASKING = "contour masking"
     CONTOURING = "polynomial contouring"
+    SPLINE = "spline"
     NONE = ""  # excludes nothing
 
 
