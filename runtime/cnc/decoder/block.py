@@ -195,7 +195,7 @@ class WordBlocks:
             x.tools.moved = False
             x.block_end()
         if functions.flush:
-            if x.compensation.active or x.smoothing.contouring_on:
+            if x.compensation.active or x.modal.contouring or x.smoothing.spline_on or x.smoothing.hsc_on:
                 raise LineError(technology.FLUSH_BARRED, block.column(WordKind.M))
             x.emit(Flush(x.source, FlushKind.WAIT))
         if block.goto is not None:  # a call in the same block is executed before the program goes on there
