@@ -315,7 +315,14 @@ def all_safe(
         if slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8:
             return False
         if kind[i] == REDUCE and a < 0.0 and not can_release(d[i], x[i], A[i], J[i], v, a):
-            return False
+            # Taking the braking back now comes too late; but braking on, to a speed in front of it, may end in time: its slack
+            # says that it is reached without acceleration.
+            ends = False
+            for k in range(1, count):
+                slows = kind[k] == SPEED or kind[k] == SLOWER or kind[k] == BORDER or kind[k] == STOP
+                ends = ends or (slows and d[k] <= d[i] and v > x[k])
+            if not ends:
+                return False
     return True
 
 

@@ -524,6 +524,7 @@ def test_driven_along_a_square_spiral() -> None:
     check_path_laws(run)
     assert run.path[-1] == pytest.approx([x, y, 0.0], abs=1e-12)
     assert isinstance(program.blocks[-1], Stop)
+    assert min(run.v[100:-100]) > 1.0, "no corner brings the path to rest"
 
 
 # ---------------------------------------------------------------------------------------------------- with radius compensation
