@@ -72,7 +72,6 @@ def test_rapid_velocity_alone() -> None:
     assert peak(driven("G129=150\nG00 X300"))[0] == pytest.approx(400.0)
 
 
-@pytest.mark.spec("isg.g.acceleration-weight")
 @pytest.mark.parametrize(
     ("text", "at_feed", "at_rapid"),
     [
@@ -92,13 +91,11 @@ def test_acceleration_is_weighted_for_feed_and_rapid_moves(text: str, at_feed: f
         assert peak(run)[1] == pytest.approx(acceleration, rel=1e-4)
 
 
-@pytest.mark.spec("isg.g.acceleration-weight", "isg.g.ramp-time-weight")
 def test_less_acceleration_over_the_same_ramp_is_less_jerk() -> None:
     assert peak(driven("G131=50\nG01 F20000 X300"))[2] == pytest.approx(J / 2, rel=0.02)
     assert peak(driven("G131=50 G133=50\nG01 F20000 X300"))[2] == pytest.approx(J, rel=0.02)
 
 
-@pytest.mark.spec("isg.g.ramp-time-weight")
 @pytest.mark.parametrize(
     ("text", "at_feed", "at_rapid"),
     [
@@ -118,7 +115,6 @@ def test_ramp_times_are_weighted(text: str, at_feed: float, at_rapid: float) -> 
         assert acceleration == pytest.approx(min(A, math.sqrt(velocity * jerk)), rel=5e-3)
 
 
-@pytest.mark.spec("isg.g.ramp-time-weight")
 def test_the_geometric_ramp_time_slows_curves_down() -> None:
     program = "G01 F60000 X50\nG02 X60 Y-10 J-10\nG01 Y-60"
     usual, slower = driven(program), driven("G134=400\n" + program)
@@ -129,7 +125,6 @@ def test_the_geometric_ramp_time_slows_curves_down() -> None:
     assert driven("G134=400\n#SLOPE [TYPE=STEP]\n" + program).time == driven("#SLOPE [TYPE=STEP]\n" + program).time
 
 
-@pytest.mark.spec("isg.g.ramp-time-weight")
 def test_ramp_times_change_nothing_with_the_slope_step() -> None:
     program = "#SLOPE [TYPE=STEP]\nG01 F20000 X300"
     assert driven("G133=400\n" + program).time == driven(program).time
@@ -489,7 +484,7 @@ def test_overrides_of_axes() -> None:
     assert alone * 60 == pytest.approx(6000)
 
 
-@pytest.mark.spec("isg.g.velocity-weight-g127-g128", "isg.g.acceleration-weight")
+@pytest.mark.spec("isg.g.velocity-weight-g127-g128")
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     st.lists(st.sampled_from(["G128=60", "G127 X30", "G131=40", "G230 Y20", "G133=300", "G901", "#SLOPE [TYPE=SIN2]",

@@ -83,7 +83,7 @@ class Run:
 CRUISING = "%T\nG90 G01 F6000 X10\nX20\nX30\nX40\nM96\nX80\nX100\nM30\n"
 
 
-@pytest.mark.spec("chan.mh.mep-met-mos", "chan.mh.pre-output-values", "hli.tech.pre-output")
+@pytest.mark.spec("chan.mh.mep-met-mos", "chan.mh.pre-output-values")
 @pytest.mark.parametrize("override", [100.0, 37.0])
 def test_a_way_ahead_is_kept_to_one_cycle_over_block_borders(demo: Machine, program: Write, override: float) -> None:
     run = Run(machine_with(demo, {96: ("MEP_MOS", 250_000)}), program(CRUISING), override=override)

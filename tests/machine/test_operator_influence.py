@@ -217,7 +217,6 @@ def test_what_run_ahead_is_made_of() -> None:
 # ---------------------------------------------------------------------------------------------------- feedhold
 
 
-@pytest.mark.spec("isg.g.acceleration-weight")
 def test_feed_hold_brakes_with_the_weighted_acceleration(demo: Machine, tmp_path: Path) -> None:
     """Without P-CHAN-00097 feed hold takes what is valid, and the weights of feed hold change nothing."""
     ways = []

@@ -118,9 +118,7 @@ def test_from_standstill_the_shorter_way_or_the_sense_that_is_programmed(
     assert run.angle(0) == pytest.approx(270.0, abs=0.1)
 
 
-@pytest.mark.spec(
-    "isg.spdl.specific-m3-m4-m5", "isg.spdl.config", "chan.spindle.config", "isg.spdl.main-spindle-change"
-)
+@pytest.mark.spec("isg.spdl.specific-m3-m4-m5", "isg.spdl.config", "isg.spdl.main-spindle-change")
 def test_two_spindles_turn_on_their_own_and_over_the_program_end(demo: Machine, program: Write) -> None:
     text = "%T\nS[M3 REV1000] S2[M4 REV500]\n#MAIN SPINDLE [S2]\nS700\nG90 G01 F600 X10\nM30\n"
     run = Run(machine_with(demo, {}), program(text))

@@ -54,7 +54,6 @@ def test_what_holds_at_program_start_comes_first() -> None:
     assert not any(isinstance(block, DynamicsChange) for block in decode("G01 F100 X1").blocks)
 
 
-@pytest.mark.spec("isg.g.acceleration-weight")
 def test_what_a_cycle_changes() -> None:
     """G functions come back, what was programmed for single axes and statements stay (lines 7389–7392)."""
     files = {"C": "G131=50 G129=50 G901 G115=0\nG230 X50\n#SLOPE [TYPE=SIN2]\n#OVERRIDE [FEED_FACT=50]\nX3\nM17"}
@@ -70,7 +69,6 @@ def test_a_new_program_begins_with_the_settings_of_the_channel() -> None:
     assert settings("G01 F100 X1\nM30") == DynamicSettings()
 
 
-@pytest.mark.spec("isg.add.ff")
 def test_the_weight_of_an_external_feed() -> None:
     assert settings("#FF = 50").external_feed == 0.5
     assert settings("#FF=0").external_feed == pytest.approx(0.001)

@@ -68,9 +68,7 @@ def test_the_example_of_the_manual() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.spec(
-    "isg.spdl.specific-m3-m4-m5", "isg.spdl.specific-rev", "isg.spdl.specific-syntax", "isg.spdl.command-scope"
-)
+@pytest.mark.spec("isg.spdl.specific-m3-m4-m5", "isg.spdl.specific-rev")
 def test_two_spindles_in_one_block() -> None:
     text = "S[M03 REV1000] S2[M04 REV2000]\nS[M05] S2[REV1500.5]\ns[M04]\nS2[M05]\nS[m05 rev=300]\nX[10] G00 S1[M04] S2[M4]\nM30"
     assert stream(text) == [
@@ -79,7 +77,6 @@ def test_two_spindles_in_one_block() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.spec("isg.spdl.specific-syntax")
 def test_a_bracket_goes_on_in_the_next_line_and_takes_expressions() -> None:
     assert stream("P1=250\nS[M3 \\\nREV[2*P1] \\\nM19 POS=P1-205]\nM30") == ["S0.19=500@45/3"]
     assert stream("S[2 * 100] M3\nM30") == ["S0.3=200"]  # an expression, no commands
@@ -180,7 +177,7 @@ def test_override_off() -> None:
     assert stream(text) == ["S0.3=1000", "S0.0=1000 free", "S0.0=3000", "S1.0=1000 free"]
 
 
-@pytest.mark.spec("isg.spdl.override-prog", "isg.spdl.acc-g130", "isg.spdl.feedforward-g135-g137")
+@pytest.mark.spec("isg.spdl.override-prog", "isg.spdl.acc-g130")
 def test_settings_of_a_spindle() -> None:
     text = "S[OVERRIDE SPEED_FACT=20]\nS[G130=70]\nS2[G135 G136=90]\nS2[G137]\nS2[G135]\nS2[G136=0]\nM30"
     assert stream(text) == [
@@ -195,7 +192,6 @@ def test_homing_of_spindles_at_the_same_time() -> None:
     assert refused("S[G74 M3]\nM30") is T.HOMING_WITH_M
 
 
-@pytest.mark.spec("isg.spdl.gear-data-g112")
 def test_gear_data() -> None:
     assert stream("G112 S2\nM3 S9000\nM5\nG112 S1\nM30") == ["set0 GEAR=1", "S0.3=9000", "S0.5=9000", "set0 GEAR=0"]
     assert refused("M3 S100\nG112 S1\nM30") is T.GEAR_TURNING

@@ -183,7 +183,6 @@ def test_the_flush_of_d_stands_behind_everything_before_it() -> None:
     assert ends == [1, 2]
 
 
-@pytest.mark.spec("isg.var.g-tool-table")
 def test_data_of_any_tool_are_read_from_the_management_too() -> None:
     outside = Managed(TOOLS)
     made = run(
@@ -196,7 +195,6 @@ def test_data_of_any_tool_are_read_from_the_management_too() -> None:
     assert [request for request in outside.kinds() if request[0] == "DATA"] == [("DATA", 2), ("DATA", 1), ("DATA", 2)]
 
 
-@pytest.mark.spec("isg.var.g-tool-table")
 def test_data_of_a_management_are_read_only_and_read_alone() -> None:
     for text, entry in (
         ("V.G.WZ[1].R = 5", T.TABLE_FOREIGN),

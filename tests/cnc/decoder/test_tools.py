@@ -214,7 +214,6 @@ def test_the_radius_stands_in_the_stream_in_front_of_the_block_that_it_holds_for
 # -- variables -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("isg.var.g-tool-table")
 def test_the_table_is_read_and_written_with_all_its_data() -> None:
     program = """
 P1=V.G.WZ[2].R P2=V.G.WZ[2].L P3=V.G.WZ[2].V.Y P4=V.G.WZ[2].V[2] P5=V.G.WZ[4].P[1] P6=V.G.WZ[4].KIN_PARAM[0]
@@ -239,7 +238,7 @@ P30=V.G.WZ_AKT.R
     assert found[30] == pytest.approx(25.4)
 
 
-@pytest.mark.spec("isg.var.g-tool-table", "isg.var.g-active-tool")
+@pytest.mark.spec("isg.var.g-active-tool")
 @pytest.mark.parametrize(
     "name", ["V.G.WZ[1].TYPE", "V.G.WZ[1].SUB_TYPE", "V.G.WZ[1].ME", "V.G.WZ_AKT.TYPE", "V.G.WZ_AKT.ME"]
 )
@@ -247,7 +246,6 @@ def test_type_and_unit_are_read_only(name: str) -> None:
     assert decode_error(f"{name} = 1") is C.VARIABLE_READ_ONLY
 
 
-@pytest.mark.spec("isg.var.g-tool-table")
 def test_wrong_data_are_refused_with_their_reason() -> None:
     for text, entry in (
         ("P1=V.G.WZ[99].R", T.TOOL_MISSING),
