@@ -327,6 +327,7 @@ class Approach(IntEnum):
     INDIRECT = 139
     ON_PATH = 236
     PERPENDICULAR = 237
+    INSIDE_CORNER = 238
     WITHOUT_BLOCK = 239
 
 

@@ -51,7 +51,7 @@ def test_a_part_is_milled_as_it_is_programmed(demo: Machine) -> None:
     assert functions == [20, 6, 8, 9, 6, 8, 9, 21]
     assert simulation.samples is not None
     samples = simulation.samples.arrays()
-    path, z = np.column_stack([samples["X"], samples["Y"]]), samples["Z"]
+    path, z = np.column_stack([samples["X"], samples["Y"]]), samples["Z"].astype(np.float64)
 
     def at(tool: Tool, depth: float) -> Floats:
         return path[np.abs(z - tool.length - depth) < 1e-6]
@@ -70,7 +70,7 @@ def test_a_part_is_milled_as_it_is_programmed(demo: Machine) -> None:
 
 def expect_recess(path: Floats) -> None:
     """36 mm square about X50 Y35: the tool keeps within its walls and leaves nothing but what the corners keep of it."""
-    out = np.abs(path - [50.0, 35.0]).max()
+    out = np.abs(path - np.array([50.0, 35.0])).max()
     assert out == pytest.approx(18.0 - MILL.radius, abs=1e-6)
     cut = LineString(path).simplify(1e-5).buffer(MILL.radius, quad_segs=64)
     rest = shapely.box(32.0, 17.0, 68.0, 53.0).difference(cut)

@@ -88,6 +88,19 @@ NEEDS_CONTOUR = ErrorEntry(
     remedy="program it behind G41 or G42",
     source="programming manual line 20739",
 )
+INSIDE_CORNER_LATE = ErrorEntry(
+    309013,
+    "G238 is not allowed between G41 or G42 and G40",
+    remedy="program G238 in front of G41 or G42, or in their block",
+    source="programming manual line 18707",
+)
+INSIDE_CORNER = ErrorEntry(
+    309014,
+    "a contour that is entered with G238: {why}",
+    reaction=STOP,
+    remedy="change the contour or the point in front of it, or choose another strategy than G238",
+    source="programming manual line 19403",
+)
 OPTION_UNSUPPORTED = ErrorEntry(309017, "#TRC {option} is not supported yet")
 OPTION_VALUE = ErrorEntry(309018, "#TRC {option}={value:g} is not allowed", remedy="{option} takes {allowed}")
 NOT_PRESENT = ErrorEntry(

@@ -368,7 +368,7 @@ def test_options_that_do_not_exist_here_are_refused_by_name(option: str) -> None
     assert option.replace("=", " ").split()[0] in run.problem.text
 
 
-@pytest.mark.parametrize("number", [141, 238])
+@pytest.mark.parametrize("number", [141])
 def test_g_functions_that_do_not_exist_here_are_refused_by_name(number: int) -> None:
     (problem,) = problems(f"G{number}\nM30")
     assert problem.entry is language.G_UNSUPPORTED
