@@ -332,6 +332,17 @@ class Approach(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class ApproachSplit:
+    """#TRC SPLIT: the end of an approach, and the begin of an exit, in one or two segments with feeds of their own."""
+
+    lengths: tuple[float, ...]  # mm; the last one lies at the contour
+    feeds: tuple[float, ...]  # mm/min
+    axis: int | None  # along which the lengths are measured, None: along the way in the plane
+    entering: bool
+    leaving: bool
+
+
+@dataclass(frozen=True, slots=True)
 class CompensationSettings:
     """What G functions and #TRC choose for radius compensation; the defaults are the initial state of a program."""
 
@@ -344,6 +355,7 @@ class CompensationSettings:
     perpendicular_change: bool = False  # PERPENDICULAR_RADIUS_CHANGE
     line_on_path: bool = False  # G236_LIN
     suppress: bool = False  # SUPPRESS_TRC
+    split: ApproachSplit | None = None  # SPLIT, SPLIT_PATH
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,6 +65,7 @@ from runtime.cnc.tool_radius_comp.elements import (
 from runtime.cnc.tool_radius_comp.errors import CompensationError
 from runtime.cnc.tool_radius_comp.meeting import NEAR
 from runtime.cnc.tool_radius_comp.pieces import Piece, Point, in_pieces, straight
+from runtime.cnc.tool_radius_comp.segments import can_be_split, in_segments
 from runtime.cnc.tool_radius_comp.window import Window, move_of, part
 from runtime.diagnostics.catalogue import radius as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
@@ -372,6 +373,8 @@ class _Run:
         motion = self._block or replace(block, source=self._source)
         begin = block.start if self._block is None else self._block.start
         start = begin if self._place is None else self._place
+        selects = self._block is not None and self._way is None and self._place is None
+        split = self._settings.split if selects else None
         if self._way is not None:
             way, self._way = self._way, None
         elif turns_back:
@@ -384,6 +387,8 @@ class _Run:
                 raise CompensationError(error.entry, _place(motion.source), **values) from None
         end = None if self._block is None else motion.end
         pieces = list(way.pieces)
+        if split is not None and split.entering and can_be_split(self._approach, self._record(motion), first):
+            pieces = in_segments(self._in_plane(start), pieces, split, self._plane, False)
         yield from in_pieces(motion, start, pieces, self._plane, motion.feed, end)
         self._place = (start if end is None else end).copy()
         self._place[list(self._plane)] = pieces[-1].end
@@ -445,7 +450,13 @@ class _Run:
             raise CompensationError(error.entry, _place(block.source), **values) from None
         yield from self._close(float(last["length"]) - way.begin)
         assert self._place is not None
-        pieces = list(reversed_way(way, end))
+        pieces, split, back = (
+            list(reversed_way(way, end)),
+            self._settings.split,
+            reversed_element(self._record(block)[0]),
+        )
+        if split is not None and split.leaving and can_be_split(self._approach, back, turned):
+            pieces = in_segments(self._in_plane(self._place), pieces, split, self._plane, True)
         yield from in_pieces(block, self._place, pieces, self._plane, block.feed, block.end)
         self._state, self._place = _State.OFF, None
 

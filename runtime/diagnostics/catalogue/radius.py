@@ -108,6 +108,12 @@ NOT_PRESENT = ErrorEntry(
     "the channel has no radius compensation (P-CHAN-00092)",
     remedy="set wrk_im_kanal_vorhanden 1 in the channel parameters",
 )
+SPLIT_WRITTEN = ErrorEntry(
+    309020,
+    "#TRC SPLIT: {why}",
+    remedy="written as: SPLIT AX=X or SPLIT_PATH, PRE, POST or COMBINED, DIST_SEG1=.. FEED_SEG1=.. DIST_SEG2=.. FEED_SEG2=..",
+    source="programming manual line 20622",
+)
 FORBIDDEN = ErrorEntry(
     20651,
     "{command} is not allowed between G41 or G42 and G40",

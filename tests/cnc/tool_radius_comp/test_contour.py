@@ -357,8 +357,6 @@ def test_several_options_in_one_command_and_defaults_at_the_next_start() -> None
         "CONV_CIR_TO_LIN=1",
         "KERF_MASKING=1",
         "REMOVE_MASKED_BLOCKS=1",
-        "SPLIT_PATH PRE DIST_SEG1=5 FEED_SEG1=100",
-        "SPLIT AX=X DIST_SEG1=5 FEED_SEG1=100",
     ],
 )
 def test_options_that_do_not_exist_here_are_refused_by_name(option: str) -> None:
