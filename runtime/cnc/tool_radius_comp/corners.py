@@ -4,7 +4,8 @@
     tangential                                   the offsets meet by themselves
     outside, G25                                 straight on to the meeting point of the tangents; where that is
                                                  farther than `reach`, only so far, and a line between both ends
-    outside, G26                                 an arc about the corner
+    outside, G26                                 an arc about the corner; two lines that turn hardly are cut instead, so that
+                                                 a run of short lines stays one: never nearer, farther by PEAK at most
 
 A line is extended, an arc is not: its tangent is inserted. That gives what the table of the manual lists: two lines
 need no block up to 270 degrees and one beyond, every arc that takes part one more. An element whose cut end lies in
@@ -43,6 +44,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 BACK = 1e-7  # rad: an element that turns by 180 degrees but for this goes back
+PEAK = 5e-7  # mm: two lines whose meeting point lies no farther beyond an arc about their corner get none with G26
 FLAT = 1e-7  # mm: an arc that rises by no more above its chord is inserted as a line
 
 
@@ -78,7 +80,8 @@ def join(e: Element, f: Element, circular: bool, stretch: float, limit: float) -
         cross = e["t1x"] * f["t0y"] - e["t1y"] * f["t0x"]
         turn = math.atan2(cross, e["t1x"] * f["t0x"] + e["t1y"] * f["t0y"])
         if _outside(e, f, turn):
-            if abs(turn) > limit or not _cut(e, f, True):
+            plain = abs(turn) <= limit or (circular and _nearly_straight(e, f, turn))
+            if not plain or not _cut(e, f, True):
                 _around(e, f, turn, circular, stretch)
         elif not _cut(e, f, False):
             e["insert"] = LINES
@@ -87,6 +90,14 @@ def join(e: Element, f: Element, circular: bool, stretch: float, limit: float) -
     e["nx"], e["ny"] = f["bx"], f["by"]
     if e["end"] < e["begin"] - NEAR and e["status"] == GOOD:
         e["status"] = REVERSED
+
+
+@kernel
+def _nearly_straight(e: Element, f: Element, turn: float) -> bool:
+    """Whether two lines extended to their meeting point stay as near to the corner as an arc about it would, but for PEAK."""
+    if e["kind"] != LINE or f["kind"] != LINE:
+        return False
+    return bool(abs(e["o1"]) * 2.0 * math.sin(turn / 4.0) ** 2 <= PEAK * math.cos(turn / 2.0))
 
 
 @kernel
