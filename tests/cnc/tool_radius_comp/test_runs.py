@@ -41,12 +41,16 @@ def test_a_fine_curve_stays_a_run() -> None:
 
 
 @G26
-@pytest.mark.parametrize(("share", "arcs"), [(0.99, 0), (1.01, 39)])
-def test_only_what_is_hardly_a_corner_gets_no_arc(share: float, arcs: int) -> None:
-    """r · (1 / cos(turn / 2) − 1) = PEAK at the limit."""
+@pytest.mark.parametrize(
+    ("share", "inserted", "arcs"),
+    [(0.99, 0, 0), (1.01, 39, 0), (1.99, 39, 0), (2.01, 78, 0), (3.01, 117, 0), (3.99, 117, 0), (4.01, 39, 39)],
+)
+def test_only_what_is_hardly_a_corner_gets_no_arc(share: float, inserted: int, arcs: int) -> None:
+    """A vertex bridges a turn up to where r · (1 / cos(turn / 2) − 1) = PEAK; up to four take the place of an arc."""
     limit = math.degrees(2 * math.acos(5.0 / (5.0 + PEAK)))
     path, _ = curve(share * limit, 5.0)
     assert sum(isinstance(block, Arc) for block in path.blocks) == arcs
+    assert len([motion for motion in path.motions if 4 <= motion.source.line < 44]) == 40 + inserted
 
 
 @G26
