@@ -327,7 +327,19 @@ class Approach(IntEnum):
     INDIRECT = 139
     ON_PATH = 236
     PERPENDICULAR = 237
+    INSIDE_CORNER = 238
     WITHOUT_BLOCK = 239
+
+
+@dataclass(frozen=True, slots=True)
+class ApproachSplit:
+    """#TRC SPLIT: the end of an approach, and the begin of an exit, in one or two segments with feeds of their own."""
+
+    lengths: tuple[float, ...]  # mm; the last one lies at the contour
+    feeds: tuple[float, ...]  # mm/min
+    axis: int | None  # along which the lengths are measured, None: along the way in the plane
+    entering: bool
+    leaving: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,6 +355,7 @@ class CompensationSettings:
     perpendicular_change: bool = False  # PERPENDICULAR_RADIUS_CHANGE
     line_on_path: bool = False  # G236_LIN
     suppress: bool = False  # SUPPRESS_TRC
+    split: ApproachSplit | None = None  # SPLIT, SPLIT_PATH
 
 
 @dataclass(frozen=True, slots=True)

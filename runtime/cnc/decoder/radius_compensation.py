@@ -57,7 +57,7 @@ FORBIDDEN = (
 FORBIDDEN_G = frozenset({200, 201, 303})
 _PERMITTED = "FLUSH CONTINUE"
 
-_NEED_EXIT = (Approach.DIRECT, Approach.INDIRECT, Approach.ON_PATH, Approach.TANGENTIAL)
+_NEED_EXIT = (Approach.DIRECT, Approach.INDIRECT, Approach.ON_PATH, Approach.INSIDE_CORNER, Approach.TANGENTIAL)
 
 
 class Compensation:

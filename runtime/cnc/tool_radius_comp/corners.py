@@ -4,7 +4,8 @@
     tangential                                   the offsets meet by themselves
     outside, G25                                 straight on to the meeting point of the tangents; where that is
                                                  farther than `reach`, only so far, and a line between both ends
-    outside, G26                                 an arc about the corner
+    outside, G26                                 an arc about the corner; for two lines that turn hardly some tangents of it,
+                                                 so that a run stays one: never nearer, farther by PEAK at most
 
 A line is extended, an arc is not: its tangent is inserted. That gives what the table of the manual lists: two lines
 need no block up to 270 degrees and one beyond, every arc that takes part one more. An element whose cut end lies in
@@ -43,6 +44,8 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 BACK = 1e-7  # rad: an element that turns by 180 degrees but for this goes back
+PEAK = 5e-7  # mm: by how much a path of tangents may be farther out than the arc about a corner whose place it takes
+MOST_VERTICES = 4  # of such a path
 FLAT = 1e-7  # mm: an arc that rises by no more above its chord is inserted as a line
 
 
@@ -78,7 +81,10 @@ def join(e: Element, f: Element, circular: bool, stretch: float, limit: float) -
         cross = e["t1x"] * f["t0y"] - e["t1y"] * f["t0x"]
         turn = math.atan2(cross, e["t1x"] * f["t0x"] + e["t1y"] * f["t0y"])
         if _outside(e, f, turn):
-            if abs(turn) > limit or not _cut(e, f, True):
+            flat = _flat_corner(e, f, turn) if circular else 0
+            if flat > 1 and abs(turn) > limit:
+                _tangents(e, f, turn, flat)
+            elif (abs(turn) > limit and flat == 0) or not _cut(e, f, True):
                 _around(e, f, turn, circular, stretch)
         elif not _cut(e, f, False):
             e["insert"] = LINES
@@ -87,6 +93,38 @@ def join(e: Element, f: Element, circular: bool, stretch: float, limit: float) -
     e["nx"], e["ny"] = f["bx"], f["by"]
     if e["end"] < e["begin"] - NEAR and e["status"] == GOOD:
         e["status"] = REVERSED
+
+
+@kernel
+def _flat_corner(e: Element, f: Element, turn: float) -> int:
+    """How many vertices a path of tangents around the corner of two lines needs to be off an arc by PEAK at most; 0: too many."""
+    if e["kind"] != LINE or f["kind"] != LINE or e["o0"] != e["o1"] or f["o0"] != f["o1"]:
+        return 0
+    for count in range(1, MOST_VERTICES + 1):
+        quarter = turn / 4.0 / count
+        if abs(e["o1"]) * 2.0 * math.sin(quarter) ** 2 <= PEAK * math.cos(2.0 * quarter):
+            return count
+    return 0
+
+
+@kernel
+def _tangents(e: Element, f: Element, turn: float, count: int) -> None:
+    """A path of tangents with `count` vertices around an outside corner; the first and the last extend the lines."""
+    half = turn / 2.0 / count
+    on = abs(e["o1"] * math.tan(half))
+    e["end"], e["ex"], e["ey"] = e["length"] + on, e["qx"] + on * e["dx"], e["qy"] + on * e["dy"]
+    f["begin"], f["bx"], f["by"] = -on, f["px"] - on * f["dx"], f["py"] - on * f["dy"]
+    e["insert"], e["points"] = LINES, count - 2
+    reach = 1.0 / math.cos(half)
+    ux, uy = (e["qx"] - e["x1"]) * reach, (e["qy"] - e["y1"]) * reach
+    for number in range(1, count - 1):
+        angle = half * (2 * number + 1)
+        x = e["x1"] + ux * math.cos(angle) - uy * math.sin(angle)
+        y = e["y1"] + ux * math.sin(angle) + uy * math.cos(angle)
+        if number == 1:
+            e["ix"], e["iy"] = x, y
+        else:
+            e["jx"], e["jy"] = x, y
 
 
 @kernel

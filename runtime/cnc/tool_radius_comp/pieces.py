@@ -17,11 +17,12 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A line to `end`, or an arc to it about `centre` by `angle` rad, counter-clockwise positive."""
+    """A line to `end`, or an arc to it about `centre` by `angle` rad, counter-clockwise positive; `feed` if it has its own."""
 
     end: Point
     centre: Point | None = None
     angle: float = 0.0
+    feed: float | None = None
 
 
 def element_piece(e: Element) -> Piece:
@@ -72,10 +73,11 @@ def in_pieces(
             there = start + share * (end - start)
         there[plane[0]], there[plane[1]] = piece.end
         if length > NO_LENGTH or np.abs(there - here).max() > NO_LENGTH:
+            own = feed if piece.feed is None else piece.feed
             yield (
-                straight(block, here, there, feed)
+                straight(block, here, there, own)
                 if piece.centre is None
-                else _arc(block, here, there, piece, plane, feed)
+                else _arc(block, here, there, piece, plane, own)
             )
             here = there
 

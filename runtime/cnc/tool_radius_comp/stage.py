@@ -12,7 +12,7 @@ plane keeps its place, behind the corner of the element in front of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import replace
 from enum import Enum, auto
 
@@ -46,6 +46,7 @@ from runtime.cnc.tool_radius_comp.approach import (
     reversed_element,
     reversed_way,
 )
+from runtime.cnc.tool_radius_comp.closed_contour import MOST_KEPT, ClosedContour
 from runtime.cnc.tool_radius_comp.corners import BACK, connect, join
 from runtime.cnc.tool_radius_comp.elements import (
     APART,
@@ -64,6 +65,7 @@ from runtime.cnc.tool_radius_comp.elements import (
 from runtime.cnc.tool_radius_comp.errors import CompensationError
 from runtime.cnc.tool_radius_comp.meeting import NEAR
 from runtime.cnc.tool_radius_comp.pieces import Piece, Point, in_pieces, straight
+from runtime.cnc.tool_radius_comp.segments import can_be_split, in_segments
 from runtime.cnc.tool_radius_comp.window import Window, move_of, part
 from runtime.diagnostics.catalogue import radius as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
@@ -103,7 +105,7 @@ class ToolRadiusCompensation:
                 if run.add(block):
                     continue
             if isinstance(block, ToolRadius):
-                yield from run.change_tool(block.radius)
+                yield from run.change_tool(block)
             elif isinstance(block, RadiusCompensation):
                 yield from run.change(block)
             elif run.off:
@@ -130,6 +132,8 @@ class _Run:
         self._block: Line | Arc | None = None  # the approach, as it is programmed
         self._between: list[Block] = []  # what stands behind it
         self._last: Elements | None = None  # (1,), the last element before the change of the side
+        self._closed: ClosedContour | None = None  # behind an approach with G238, up to G40
+        self._way: Way | None = None  # the approach, if it is known before the first element
         self._failed: CompensationError | None = None
         self._place: Floats | None = None  # (n,): where the tool path stands, if not where the program does
 
@@ -145,9 +149,11 @@ class _Run:
 
     # ------------------------------------------------------------------ changes
 
-    def change_tool(self, radius: float) -> Iterator[Block]:
-        """A tool of another radius, mm."""
-        self._radius = radius
+    def change_tool(self, tool: ToolRadius) -> Iterator[Block]:
+        """A tool of another radius."""
+        if self._closed is not None and tool.radius != self._radius:
+            raise self._error(catalogue.INSIDE_CORNER, tool.source, why="the radius changes along it")
+        self._radius = tool.radius
         if self._told is not None and not self.off:
             yield from self.change(self._told)
 
@@ -155,6 +161,11 @@ class _Run:
         """G40, G41, G42, a new radius, or other settings."""
         self._told = now
         wanted = 0.0 if now.settings.suppress else now.side * self._radius
+        if self._closed is not None and now.side != 0:
+            if wanted != self._offset:
+                raise self._error(catalogue.INSIDE_CORNER, now.source, why="the side or the radius changes along it")
+            self._closed.add(now)
+            return
         if self._state in (_State.ON, _State.LEAVING):
             yield from self._put_out_joined()
         if now.side == 0:
@@ -174,17 +185,27 @@ class _Run:
     def _enter(self, now: RadiusCompensation) -> None:
         self._state, self._approach, self._plane, self._source = _State.ENTERING, now.approach, now.plane, now.source
         self._block, self._between, self._before = None, [], None
-        self._last = self._place = None
+        self._last = self._place = self._way = self._closed = None
 
     def _change_side(self, now: RadiusCompensation) -> Iterator[Block]:
         """The old side ends on its normal, the next block leads to the normal of the new one."""
-        last = self._window.elements[self._joined : self._joined + 1].copy()
-        yield from self._close()
+        if now.approach is Approach.INSIDE_CORNER:
+            raise self._error(catalogue.INSIDE_CORNER, now.source, why="the tool is not free in front of it")
+        last = None
+        if self._window.count:
+            last = self._window.elements[self._joined : self._joined + 1].copy()
+            yield from self._close()
         there = self._place
         self._enter(now)
         self._approach, self._last, self._place = Approach.DIRECT, last, there
 
     def _deselect(self, now: RadiusCompensation) -> Iterator[Block]:
+        end = None
+        if self._closed is not None and self._closed.moves:
+            end = yield from self._drive_closed(now)
+        elif self._closed is not None:
+            self._between += [block for block in self._closed.blocks if not isinstance(block, RadiusCompensation)]
+            self._closed = None
         if self._state is _State.ENTERING:  # there is no contour
             yield from self._plain_approach()
             self._state = _State.OFF if self._place is None else _State.LEAVING
@@ -197,12 +218,27 @@ class _Run:
             elif now.approach is Approach.PERPENDICULAR:
                 motion = self._window.motion_at(self._joined)
                 last = self._window.elements[self._joined]
-                end = float(last["x1"]), float(last["y1"])
+                corner = float(last["x1"]), float(last["y1"])
                 yield from self._close()
                 assert self._place is not None
                 home = replace(motion, source=now.source)
-                yield from in_pieces(home, self._place, [Piece(end)], self._plane, motion.feed)
+                yield from in_pieces(home, self._place, [Piece(corner)], self._plane, motion.feed)
                 self._state = _State.OFF
+            elif now.approach is Approach.INSIDE_CORNER:
+                yield from self._close(end)
+
+    def _drive_closed(self, now: RadiusCompensation) -> Generator[Block, None, float]:
+        """The contour that was kept since G238 is complete; how much of its last element is left of it, mm."""
+        closed, self._closed = self._closed, None
+        assert closed is not None
+        try:
+            self._way, end = closed.corner(self._offset, self._settings)
+        except ApproachError as error:
+            raise CompensationError(error.entry, _place(closed.approach.source), **error.values) from None
+        for block in closed.blocks:
+            yield from self.change(block) if isinstance(block, RadiusCompensation) else self.take(block)
+        self._told = now
+        return end
 
     # ------------------------------------------------------------------ blocks
 
@@ -222,6 +258,8 @@ class _Run:
             if self._state is _State.ON:
                 yield from self._put_out_joined()
             yield block
+        elif self._closed is not None and not isinstance(block, SpatialArc | Polynomials):
+            self._keep(block)
         elif isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
             yield from self._end()
             yield block
@@ -237,6 +275,18 @@ class _Run:
             raise self._error(catalogue.CANNOT_BE_OFFSET, source, what="a curve of polynomials (spline, contouring)")
         else:
             yield from self._other(block)
+
+    def _keep(self, block: Block) -> None:
+        """A block of the contour that G238 enters."""
+        assert self._closed is not None
+        if isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
+            raise self._error(catalogue.INSIDE_CORNER, block.source, why="the program ends without G40")
+        if isinstance(block, Line | Arc | Polyline):
+            self._expect_in_plane(block)
+        self._closed.add(block)
+        if self._closed.full:
+            source = self._closed.approach.source
+            raise self._error(catalogue.INSIDE_CORNER, source, why=f"it has more than {MOST_KEPT} blocks")
 
     @property
     def _takes_runs(self) -> bool:
@@ -269,12 +319,18 @@ class _Run:
             if isinstance(block, Arc) and self._place is not None:
                 raise self._error(catalogue.SIDE_CHANGE_ARC, block.source)
             self._block = block
+            if self._approach is Approach.INSIDE_CORNER:
+                if isinstance(block, Arc):
+                    raise self._error(catalogue.INSIDE_CORNER, block.source, why="the approach is an arc")
+                self._closed = ClosedContour(block, self._plane)
         else:
             yield from self._first(block)
 
     def _other(self, block: Block) -> Iterator[Block]:
         """A block that moves nothing in the plane."""
-        if self._state is not _State.ENTERING:
+        if self._state is _State.LEAVING and self._window.count == 0:
+            yield from self._where_the_path_is(block)
+        elif self._state is not _State.ENTERING:
             self._window.add(block)
             yield from self._bounded()
         elif self._block is None and (self._approach is not Approach.PERPENDICULAR or _of(block) == self._source):
@@ -317,7 +373,11 @@ class _Run:
         motion = self._block or replace(block, source=self._source)
         begin = block.start if self._block is None else self._block.start
         start = begin if self._place is None else self._place
-        if turns_back:
+        selects = self._block is not None and self._way is None and self._place is None
+        split = self._settings.split if selects else None
+        if self._way is not None:
+            way, self._way = self._way, None
+        elif turns_back:
             way = Way((Piece((float(first["px"]), float(first["py"]))),))
         else:
             try:
@@ -327,6 +387,8 @@ class _Run:
                 raise CompensationError(error.entry, _place(motion.source), **values) from None
         end = None if self._block is None else motion.end
         pieces = list(way.pieces)
+        if split is not None and split.entering and can_be_split(self._approach, self._record(motion), first):
+            pieces = in_segments(self._in_plane(start), pieces, split, self._plane, False)
         yield from in_pieces(motion, start, pieces, self._plane, motion.feed, end)
         self._place = (start if end is None else end).copy()
         self._place[list(self._plane)] = pieces[-1].end
@@ -370,6 +432,8 @@ class _Run:
     def _exit(self, block: Line | Arc) -> Iterator[Block]:
         if self._window.count == 0:
             assert self._place is not None
+            if self._approach is Approach.INSIDE_CORNER and isinstance(block, Arc):
+                raise self._error(catalogue.INSIDE_CORNER, block.source, why="the exit is an arc")
             yield from in_pieces(
                 block, self._place, [Piece(self._in_plane(block.end))], self._plane, block.feed, block.end
             )
@@ -386,7 +450,13 @@ class _Run:
             raise CompensationError(error.entry, _place(block.source), **values) from None
         yield from self._close(float(last["length"]) - way.begin)
         assert self._place is not None
-        pieces = list(reversed_way(way, end))
+        pieces, split, back = (
+            list(reversed_way(way, end)),
+            self._settings.split,
+            reversed_element(self._record(block)[0]),
+        )
+        if split is not None and split.leaving and can_be_split(self._approach, back, turned):
+            pieces = in_segments(self._in_plane(self._place), pieces, split, self._plane, True)
         yield from in_pieces(block, self._place, pieces, self._plane, block.feed, block.end)
         self._state, self._place = _State.OFF, None
 

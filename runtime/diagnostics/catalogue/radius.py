@@ -88,12 +88,31 @@ NEEDS_CONTOUR = ErrorEntry(
     remedy="program it behind G41 or G42",
     source="programming manual line 20739",
 )
+INSIDE_CORNER_LATE = ErrorEntry(
+    309013,
+    "G238 is not allowed between G41 or G42 and G40",
+    remedy="program G238 in front of G41 or G42, or in their block",
+    source="programming manual line 18707",
+)
+INSIDE_CORNER = ErrorEntry(
+    309014,
+    "a contour that is entered with G238: {why}",
+    reaction=STOP,
+    remedy="change the contour or the point in front of it, or choose another strategy than G238",
+    source="programming manual line 19403",
+)
 OPTION_UNSUPPORTED = ErrorEntry(309017, "#TRC {option} is not supported yet")
 OPTION_VALUE = ErrorEntry(309018, "#TRC {option}={value:g} is not allowed", remedy="{option} takes {allowed}")
 NOT_PRESENT = ErrorEntry(
     309019,
     "the channel has no radius compensation (P-CHAN-00092)",
     remedy="set wrk_im_kanal_vorhanden 1 in the channel parameters",
+)
+SPLIT_WRITTEN = ErrorEntry(
+    309020,
+    "#TRC SPLIT: {why}",
+    remedy="written as: SPLIT AX=X or SPLIT_PATH, PRE, POST or COMBINED, DIST_SEG1=.. FEED_SEG1=.. DIST_SEG2=.. FEED_SEG2=..",
+    source="programming manual line 20622",
 )
 FORBIDDEN = ErrorEntry(
     20651,

@@ -276,7 +276,17 @@ def test_suppressed_compensation_drives_the_programmed_path() -> None:
 @pytest.mark.spec("isg.trc.forbidden-commands")
 @pytest.mark.parametrize(
     "command",
-    ["#FLUSH", "#FLUSH WAIT", "#CHANNEL INIT [CMDPOS]", "#GET CMDPOS [P1=X]", "G303 X1", "P1=V.A.AXIS_DEACTIVATED.X"],
+    [
+        *(
+            "#FLUSH",
+            "#FLUSH WAIT",
+            "#CHANNEL INIT [CMDPOS]",
+            "#GET CMDPOS [P1=X]",
+            "G303 X1",
+            "P1=V.A.AXIS_DEACTIVATED.X",
+        ),
+        *("G200", "G200 X1", "G201 X1"),
+    ],
 )
 def test_commands_that_empty_the_preparation_are_refused(command: str) -> None:
     run = decode(f"F1000 G41 G01 X10\nX20\n{command}\nG40 X30\nM30")
@@ -297,6 +307,16 @@ def test_they_need_the_exit_block_behind_g40(mode: str) -> None:
 @pytest.mark.parametrize("mode", ["G237", "G239"])
 def test_without_an_exit_block_they_may_follow_at_once(mode: str) -> None:
     assert decode(f"F1000 {mode} G41 G01 X10\nX20\nG40\n#FLUSH\nM30").problem is None
+
+
+@pytest.mark.spec("isg.trc.forbidden-commands", "isg.g.manual-exclusive-g200", "isg.g.manual-parallel-g201-g202")
+@pytest.mark.parametrize("command", ["G200", "G201 X1"])
+def test_hand_motion_waits_for_the_exit_block(command: str) -> None:
+    begin = "F1000 G00 X-20 Y0\nG41 G01 X0\nX20\n"
+    run = decode(f"{begin}G40\n{command}\nX40\nM30")
+    assert run.problem is not None
+    assert (run.problem.entry.id, run.problem.place.line) == (90050, 5)
+    assert decode(f"G201 X1\n{begin}G202 X1\nG40 X40\nM30").problem is None  # to take the hand away is permitted
 
 
 @pytest.mark.spec("isg.trc.forbidden-commands")
@@ -337,8 +357,6 @@ def test_several_options_in_one_command_and_defaults_at_the_next_start() -> None
         "CONV_CIR_TO_LIN=1",
         "KERF_MASKING=1",
         "REMOVE_MASKED_BLOCKS=1",
-        "SPLIT_PATH PRE DIST_SEG1=5 FEED_SEG1=100",
-        "SPLIT AX=X DIST_SEG1=5 FEED_SEG1=100",
     ],
 )
 def test_options_that_do_not_exist_here_are_refused_by_name(option: str) -> None:
@@ -348,7 +366,7 @@ def test_options_that_do_not_exist_here_are_refused_by_name(option: str) -> None
     assert option.replace("=", " ").split()[0] in run.problem.text
 
 
-@pytest.mark.parametrize("number", [141, 238])
+@pytest.mark.parametrize("number", [141])
 def test_g_functions_that_do_not_exist_here_are_refused_by_name(number: int) -> None:
     (problem,) = problems(f"G{number}\nM30")
     assert problem.entry is language.G_UNSUPPORTED

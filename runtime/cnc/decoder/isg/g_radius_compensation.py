@@ -19,6 +19,7 @@ _APPROACHES = {
     Approach.INDIRECT: "isg.trc.indirect-g139",
     Approach.ON_PATH: "isg.trc.on-path-g236",
     Approach.PERPENDICULAR: "isg.trc.perpendicular-g237",
+    Approach.INSIDE_CORNER: "isg.trc.inside-corner-g238",
     Approach.WITHOUT_BLOCK: "isg.trc.no-block-g239",
 }
 
@@ -43,6 +44,8 @@ def _approach(approach: Approach, entry: str) -> None:
     @g_function(int(approach), Group.APPROACH, "isg.trc.selection-modes", entry)
     def select(x: Execution, call: GCall) -> None:
         """How radius compensation begins and ends from here on."""
+        if approach is Approach.INSIDE_CORNER and x.compensation.active:
+            raise LineError(catalogue.INSIDE_CORNER_LATE, call.column)
         x.modal.approach = approach
 
 
