@@ -145,6 +145,12 @@ class AxisJobs:
     def give(self, job: Job, cycle: AxisCycle) -> Followed:
         """A job: it begins now, waits, or is refused, which its answer tells."""
         followed = Followed(job)
+        self.take(followed, cycle)
+        return followed
+
+    def take(self, followed: Followed, cycle: AxisCycle) -> None:
+        """The same, of a job that its giver follows already."""
+        job = followed.job
         if not self.owned:
             self._offset = 0.0
             self._base.restart(cycle.set_point)
@@ -153,7 +159,7 @@ class AxisJobs:
         refusal = self._refusal(job, cycle)
         if refusal is not None:
             self._fail(followed, refusal)
-            return followed
+            return
         function = job.function
         if function is AxisFunction.RESET:
             self.reset()
@@ -180,7 +186,6 @@ class AxisJobs:
         else:
             self.owned = True
             self._start(followed)
-        return followed
 
     def stop(self, reason: str) -> None:
         """The machine stops the axis: jobs end with an error, the axis comes to rest, its state is ErrorStop."""

@@ -42,6 +42,7 @@ class WordKind(IntEnum):
     GOTO = auto()
     SPINDLE_POSITION = auto()  # S.POS
     BRACKET = auto()  # S[..] or X[..]: channel axis index, -1 for a spindle; `name` as written
+    JOB = auto()  # X[MC_...]: a job of an axis outside of the channel
     KEY = auto()  # in such a bracket: REV, POS …; `target` is a literal value
 
 
@@ -83,6 +84,7 @@ class Word:
     indices: tuple[Expression, ...] = ()
     flush: bool = False
     inner: tuple[Word, ...] = ()  # of a bracket
+    job: ParsedStatement | None = None
 
 
 class Control(Enum):
