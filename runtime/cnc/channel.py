@@ -603,7 +603,8 @@ class Channel:
             if record.action in ACTIONS:
                 self.beside.act(record)
             elif record.action is ActionKind.AXIS_JOB:
-                self.jobs.order(read_job(self.queue, index), locked=self.locked)
+                if self.phase is Phase.RUNNING:  # what is passed while the path brakes for an abort moves nothing
+                    self.jobs.order(read_job(self.queue, index), locked=self.locked)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
             else:

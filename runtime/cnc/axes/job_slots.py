@@ -53,6 +53,7 @@ class MachineJobs:
                 np.inf if axis.position_max is None else axis.position_max,
                 masters,
                 absolute=axis.homing is None,
+                modulo=axis.type is AxisType.ROTARY and axis.position_min is None and axis.position_max is None,
             )
             for i, axis in enumerate(machine.axes)
         ]

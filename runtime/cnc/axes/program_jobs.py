@@ -113,6 +113,8 @@ class ProgramJobs:
 
     def stop(self) -> None:
         """The program is aborted: the axes that its jobs move come to rest."""
+        if not self._given and not self._coasting:
+            return
         moved = set(self._coasting)
         for given in self._given:
             followed = given.followed

@@ -103,3 +103,6 @@ JOB_ID = ErrorEntry(
     remedy="X[MC_... Id={id}] in front of #WAIT MC_STATUS",
 )
 JOB_RATIO = ErrorEntry(308026, "{function} needs {what}, once", remedy="B[MC_GearIn Master=X RN=1 RD=2 Mode=0]")
+JOB_OTHER_MASTER = _entry(
+    308027, "axis {axis}: {function} names master {master}, and it follows another one", "name the master of MC_GearIn"
+)

@@ -304,13 +304,11 @@ def compile_block(
             interpolation.append((word.index, emitter.slot(word.value)))
         elif kind in functions_of:
             functions_of[kind].append(FunctionSlots(word, emitter.slot(word.value), emitter.slot(word.extra)))
+        elif kind is WordKind.BRACKET and (job := _statement(word.job, emitter)) is not None:
+            jobs.append(job)
         elif kind is WordKind.BRACKET:
             commands = tuple(FunctionSlots(w, emitter.slot(w.value), emitter.slot(w.extra)) for w in word.inner)
             brackets.append(BracketSlots(word, commands))
-        elif kind is WordKind.JOB:
-            job = _statement(word.job, emitter)
-            assert job is not None
-            jobs.append(job)
         elif kind is WordKind.G:
             slot = emitter.slot(word.value)
             calls = word.index in vocabulary.g and vocabulary.g[word.index].group is Group.CALL

@@ -38,7 +38,7 @@ def take_jobs(text: str, addresses: Addresses, statements: StatementParser) -> t
         if job is None:
             known = ", ".join(known.removeprefix(PREFIX).rstrip("]") for known in statements.known(PREFIX))
             raise LineError(axis_jobs.JOB_FUNCTION, match.start(2) + 1, function=function, known=known)
-        words.append(Word(WordKind.JOB, start + 1, index=index, name=name, job=job))
+        words.append(Word(WordKind.BRACKET, start + 1, index=index, name=name, job=job))
         at = end + 1
         text = text[:start] + " " * (at - start) + text[at:]
     return text, tuple(words)
