@@ -296,3 +296,27 @@ def test_with_machine_lock_no_job_moves_an_axis(rig: Rig) -> None:
     rig.run(0.01)
     rig.until(lambda: not active(rig))
     assert rig.place("B") == 0.0
+
+
+@pytest.mark.spec("isg.plcopen.mc-stop")
+def test_behind_a_stop_that_was_waited_for_the_axis_takes_jobs_again(rig: Rig) -> None:
+    rig.start(
+        "%T\nN10 B[MC_MoveVelocity Velocity=50000 Direction=1 WaitSyn]\nN20 B[MC_Stop WaitSyn]\n"
+        f"N30 B[MC_MoveAbsolute Position=0 {FAST} Direction=3 WaitSyn]\nM30\n"
+    )
+    finish(rig)
+    assert rig.place("B") == 0.0
+    rig.assert_smooth()
+
+
+@pytest.mark.parametrize("modal", ["V.G.WZ_AKT.R=3\nG41", "G261", "#HSC ON\n", "G41 V.G.WZ_AKT.R=3 G261"])
+def test_a_job_inside_of_a_modal_path_interrupts_it_where_it_stands(rig: Rig, modal: str) -> None:
+    rig.start(
+        f"%T\nN10 {modal} G01 X10 F6000\nN20 X20\nN30 B[MC_MoveRelative Distance=100000 {FAST} WaitSyn]\n"
+        "N40 X30\nN50 Y20\nN60 G40 X40\nM30\n"
+    )
+    rig.until(lambda: waits(rig))
+    assert rig.place("X") == pytest.approx(20.0)
+    rig.until(lambda: rig.place("X") > 20.001)
+    assert rig.place("B") == pytest.approx(10.0)
+    finish(rig)
