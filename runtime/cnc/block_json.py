@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 
 from runtime.cnc.blocks import (
     Arc,
+    AxisJob,
+    AxisJobWait,
     Block,
     Dwell,
     ExactStop,
@@ -104,6 +107,12 @@ def _action(block: Block) -> Iterator[Row]:
         case SpindleSetting():
             row = _source(block.source, "spindle")
             yield row | {"spindle": block.spindle, "what": block.what.name.lower(), "value": block.value}
+        case AxisJob():
+            job = {key: value for key, value in asdict(block.job).items() if key not in ("function", "number")}
+            row = _source(block.source, "axis job") | {"axis": block.axis, "function": block.job.function.name.lower()}
+            yield row | job | {"id": block.id, "waits": block.waits}
+        case AxisJobWait():
+            yield _source(block.source, "axis job wait") | {"id": block.id}
         case TimerAction():
             yield {**_source(block.source, "timer"), "command": block.command.value, "timer": block.timer}
         case ExternalWrite():

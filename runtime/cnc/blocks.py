@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from runtime.cnc.dynamic_settings import DynamicSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.hli.axis_jobs import Job
 
 Floats = npt.NDArray[np.float64]
 
@@ -558,6 +559,28 @@ class SpindleSetting:
     value: float
 
 
+@dataclass(frozen=True, slots=True)
+class AxisJob:
+    """A PLCopen job of an axis outside the path, handed over when the path is here; `axis` counts among those of the machine.
+
+    `id`: by which the program can wait for it later, -1 for none. `waits`: the path waits for it at the end of the block.
+    """
+
+    source: Source
+    axis: int
+    job: Job
+    id: int = -1
+    waits: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class AxisJobWait:
+    """The path waits here for the job with this id; with -1 for all that the block waits for."""
+
+    source: Source
+    id: int = -1
+
+
 class FlushKind(Enum):
     """How the preparation is emptied into the interpolator."""
 
@@ -759,6 +782,8 @@ Block = (
     | Message
     | TimerAction
     | SpindleSetting
+    | AxisJob
+    | AxisJobWait
     | ToolLifeAction
     | ExternalWrite
     | UserError

@@ -21,10 +21,12 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
+from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
 from runtime.cnc.delete_distance import DeleteDistance
 from runtime.cnc.interpolator import Interpolator
+from runtime.cnc.job_records import read_job
 from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
@@ -61,6 +63,7 @@ _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
 _EXACT_STOP = int(StopCondition.EXACT_STOP)
 _MANUAL = int(StopCondition.MANUAL)
 _DELETE_DISTANCE = int(StopCondition.DELETE_DISTANCE)
+_AXIS_JOB = int(StopCondition.AXIS_JOB)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -128,6 +131,7 @@ class Channel:
         window: Floats,
         beside: BesidePath,
         stop_before: StopBefore,
+        axis_names: Sequence[str],
         influence: OperatorInfluence | None = None,
     ) -> None:
         self._axes = axes
@@ -137,6 +141,7 @@ class Channel:
         self.beside = beside
         self.stop_before = stop_before
         self._delete_distance = DeleteDistance(interpolator)
+        self.jobs = ProgramJobs(axis_names)
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
@@ -197,6 +202,7 @@ class Channel:
         self.actions.begin()
         self.queue.discard_all()
         self.beside.begin()
+        self.jobs.begin()
         self._delete_distance.begin()
         self.interpolator.restart(order.start)
         self.functions.restart()
@@ -210,6 +216,7 @@ class Channel:
         elif self.phase is Phase.RUNNING:
             self.interpolator.abort()
             self.beside.stop()
+            self.jobs.stop()
             self.phase = Phase.ABORTING
 
     def abort_at_once(self, position: Floats) -> None:
@@ -217,6 +224,7 @@ class Channel:
         if self.phase in (Phase.STARTING, Phase.RUNNING, Phase.ABORTING):
             self._clear(drop=True)
         self.beside.drop()
+        self.jobs.drop()
         self.interpolator.restart(position)
 
     def fail(self, entry: ErrorEntry) -> None:
@@ -224,10 +232,12 @@ class Channel:
         if self.error is None:
             self.error = entry
         self._stop_spindles()
+        self.jobs.drop()  # whoever reacts to the error stops every axis
         self.abort()
 
     def reset(self) -> None:
         """Abort, drop pending functions and messages, clear the error unless it is fatal, stop the spindles."""
+        self.jobs.drop()
         self.abort()
         self._stop_spindles()
         self.functions.drop()
@@ -244,6 +254,8 @@ class Channel:
     def _clear(self, *, drop: bool) -> None:
         """The program is over. `drop`: what is still out is withdrawn; else the PLC goes on with it."""
         self.link.abort()
+        if not self._came_to_end:
+            self.jobs.stop()
         self._drops = drop
         self.phase = Phase.CLEARING
 
@@ -326,6 +338,8 @@ class Channel:
             life.moves(path.path_position, self.period, self._on(self._rapid))
         problem = self.beside.step(inputs, path, actual[self._axes])
         if problem is not None:
+            self.problems.append(problem)
+        if self.phase is Phase.RUNNING and (problem := self.jobs.step()) is not None:
             self.problems.append(problem)
         passed = path.passed
         for index in passed:
@@ -455,6 +469,8 @@ class Channel:
             return self._flush_wait()
         if gate.reason is GateReason.EXACT_STOP:
             return self._exact_stop()
+        if gate.reason is GateReason.AXIS_JOBS:
+            return self._axis_jobs(gate)
         if gate.reason is GateReason.USER_ERROR:
             return self._user_error(gate)
         if gate.reason in GATES:
@@ -539,6 +555,18 @@ class Channel:
         path.open_gate()
         return _NONE
 
+    def _axis_jobs(self, gate: QueueRecord) -> int:
+        """Jobs of axes outside the path are done, or the program ends here."""
+        path = self.interpolator
+        if self.phase is Phase.RUNNING and path.all_told:
+            problem = self.jobs.in_vain(gate.number)
+            if problem is not None:
+                self.problems.append(problem)
+            elif self.jobs.passable(gate.number):
+                path.open_gate()
+                return _NONE
+        return _AXIS_JOB
+
     def _settles(self, offset: Floats) -> bool:
         """The axes are still on their way to where the path stands, and have not yet taken too long for it."""
         self._settling += self.period
@@ -574,6 +602,9 @@ class Channel:
             record = read_record(self.queue, index)
             if record.action in ACTIONS:
                 self.beside.act(record)
+            elif record.action is ActionKind.AXIS_JOB:
+                if self.phase is Phase.RUNNING:  # what is passed while the path brakes for an abort moves nothing
+                    self.jobs.order(read_job(self.queue, index), locked=self.locked)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
             else:

@@ -73,6 +73,7 @@ class GateReason(IntEnum):
     MESSAGE = 7  # a message has to be taken
     USER_ERROR = 8  # #ERROR: the path goes no further
     EXACT_STOP = 9  # every axis within its window of standstill
+    AXIS_JOBS = 10  # jobs of axes outside the path are done
     MANUAL = 20  # G200: moved by hand until continue
     MANUAL_END = 21  # G202: the motion by hand has ended
     HOMING = 22  # G74: the axes have their reference
@@ -88,6 +89,7 @@ class ActionKind(IntEnum):
     WARNING = 3  # #ERROR without consequences
     SPINDLE = 4  # a setting of a spindle
     TOOL_LIFE = 5
+    AXIS_JOB = 6  # a PLCopen job for an axis outside the path
     MANUAL_ON = 20  # G201
     MANUAL_PARAMETER = 21
 

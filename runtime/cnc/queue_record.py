@@ -21,6 +21,7 @@ class QueueRecord(NamedTuple):
     - a message: 1 if it goes to the PLC, and 1 if it is information; `size` its receiver (position in `Receiver`);
     - the gate of a message: how many messages for the PLC stand up to here, and 1 if its receiver has to take it first;
     - a setting of a spindle: what it is (SpindleValue), and the value; `spindle` which one;
+    - the gate of axis jobs: the id that is waited for, -1 those of the block (a job itself: `job_records`);
     - a timer: its number, and its command (position in `TimerCommand`);
     - an external variable: its type (position in `runtime.hli.external.KINDS`), and its value; `offset` and `size` in bytes;
     - an error: its number, and its remedy class;

@@ -89,6 +89,7 @@ class StopCondition(IntFlag):
     READ_DISABLE = 0x20000  # the PLC keeps the interpolator from taking blocks
     AXIS_LIMIT = 0x40000  # an axis would leave its dynamic limits, or move in a blocked direction
     DELETE_DISTANCE = 0x80000  # brakes, to drop the rest of the block
+    AXIS_JOB = 0x100000  # a job of an axis outside the path has to be done
 
 
 class ManualMode(IntEnum):

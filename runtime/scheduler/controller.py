@@ -112,6 +112,7 @@ class Controller:
             np.array([axis.in_position for axis in path_axes]),
             self.beside,
             StopBefore(self.interpolator, path_axes, described.parameters.hli_input_disable_condition),
+            [axis.name for axis in machine.axes],
             OperatorInfluence(
                 looks_at_axes=not described.parameters.suppress_ax_group_in_pos_check,
                 feed_stretches_dwell=described.parameters.feed_override_weight_dwell_time,
@@ -122,7 +123,7 @@ class Controller:
         self.supervision = AxisSupervision(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
-        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list)
+        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list, self.channel.jobs.ordered)
         self.beside.commands = self.orders.manual
         self.supervision.lag_monitored = self.orders.lag_monitored
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None

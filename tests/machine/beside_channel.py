@@ -41,8 +41,8 @@ class Loader(Program):
 class Rig:
     """The demo machine with a rotary table beside its channel, and a PLC program that calls what the test gives it."""
 
-    def __init__(self, folder: Path, *, ideal: bool = True) -> None:
-        text = DEMO_MACHINE.read_text().replace("channels:\n", TABLE + "channels:\n", 1)
+    def __init__(self, folder: Path, *, ideal: bool = True, table: str = TABLE) -> None:
+        text = DEMO_MACHINE.read_text().replace("channels:\n", table + "channels:\n", 1)
         text = text.replace("runtime.demo.plc:DemoMill", "loader.py").replace("watchdog: 300 ms", "watchdog: 50 ms")
         (folder / "machine.yaml").write_text(text)
         (folder / "loader.py").write_text(PLC)

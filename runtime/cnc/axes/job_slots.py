@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy.typing as npt
 
 from runtime.cnc.axes.axis_plan import Dynamics
 from runtime.cnc.axes.gear import MasterPlaces
-from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, spelt
+from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, Followed, spelt
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Problem
@@ -23,8 +24,17 @@ Commands = Callable[[int], tuple[float, bool]]  # index of an axis -> override, 
 class MachineJobs:
     """Built once; `step` is called in every cycle after the path has given its set-points."""
 
-    def __init__(self, machine: Machine, hli: Hli, image: DriveImage, path: list[int]) -> None:
-        """`path`: indices of the axes of the channel."""
+    def __init__(
+        self,
+        machine: Machine,
+        hli: Hli,
+        image: DriveImage,
+        path: list[int],
+        ordered: deque[tuple[int, Followed]] | None = None,
+    ) -> None:
+        """`path`: indices of the axes of the channel; `ordered`: jobs of its program with their axes, taken in every cycle."""
+        self._ordered = deque[tuple[int, Followed]]() if ordered is None else ordered
+        self._of_program: list[list[Followed]] = [[] for _ in machine.axes]
         self._image = image
         self._names = [axis.name for axis in machine.axes]
         self._path = [i in path for i in range(len(machine.axes))]
@@ -42,6 +52,8 @@ class MachineJobs:
                 -np.inf if axis.position_min is None else axis.position_min,
                 np.inf if axis.position_max is None else axis.position_max,
                 masters,
+                absolute=axis.homing is None,
+                modulo=axis.type is AxisType.ROTARY and axis.position_min is None and axis.position_max is None,
             )
             for i, axis in enumerate(machine.axes)
         ]
@@ -60,10 +72,13 @@ class MachineJobs:
         in_position: npt.NDArray[np.bool_],
         commands: Commands,
     ) -> None:
-        """One cycle: take what the slots hold, move the axes that jobs have, answer."""
+        """One cycle: take what the slots hold and what the program orders, move the axes that jobs have, answer."""
+        while self._ordered:
+            axis, followed = self._ordered.popleft()
+            self._of_program[axis].append(followed)
         for i, jobs in enumerate(self.axes):
             unit = self._units[i]
-            waits = unit.command_semaphor_rw
+            waits = unit.command_semaphor_rw or self._of_program[i]
             if jobs is None:
                 if waits:
                     self._refuse_spindle(i)
@@ -87,6 +102,9 @@ class MachineJobs:
         job = self._slots[i].take()
         if job is not None:
             jobs.give(job, cycle)
+        for followed in self._of_program[i]:
+            jobs.take(followed, cycle)
+        self._of_program[i].clear()
         if jobs.probe_input:
             bit = jobs.probe_input - 1
             byte = int(image.digital_in[bit // 8]) if bit // 8 < len(image.digital_in) else 0
@@ -110,6 +128,9 @@ class MachineJobs:
         unit.error_id_r = jobs.error
 
     def _refuse_spindle(self, i: int) -> None:
+        for followed in self._of_program[i]:  # the decoder lets none through
+            followed.answer = Answer(JobState.ERROR, errors.JOB_SPINDLE.id)
+        self._of_program[i].clear()
         slot = self._slots[i]
         job = slot.take()
         if job is not None:

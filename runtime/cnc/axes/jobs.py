@@ -25,6 +25,7 @@ from dataclasses import dataclass, field, replace
 
 from runtime.cnc.axes.axis_plan import Dynamics, Plan, State, plan_speed, proven
 from runtime.cnc.axes.gear import Gear, MasterPlaces, Motion, surely_stops
+from runtime.cnc.axes.modulo import chosen_turn
 from runtime.cnc.axes.single_axis import Goal, SingleAxis
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import ErrorEntry, Problem
@@ -114,8 +115,9 @@ class AxisJobs:
         masters: MasterPlaces,
         *,
         absolute: bool = True,
+        modulo: bool = False,
     ) -> None:
-        """`absolute`: the encoder has its reference always, so homing has nothing to do."""
+        """`absolute`: the encoder has its reference always, so homing has nothing to do. `modulo`: it turns without end."""
         self.name = name
         self._index = index
         self._limits = limits
@@ -123,6 +125,7 @@ class AxisJobs:
         self._least, self._greatest = least, greatest
         self._masters = masters
         self._absolute = absolute
+        self._modulo = modulo
         self._base = SingleAxis(limits, period, least, greatest)
         self._extra = SingleAxis(limits, period)
         self._stopping_plan = Plan()
@@ -145,6 +148,12 @@ class AxisJobs:
     def give(self, job: Job, cycle: AxisCycle) -> Followed:
         """A job: it begins now, waits, or is refused, which its answer tells."""
         followed = Followed(job)
+        self.take(followed, cycle)
+        return followed
+
+    def take(self, followed: Followed, cycle: AxisCycle) -> None:
+        """The same, of a job that its giver follows already."""
+        job = followed.job
         if not self.owned:
             self._offset = 0.0
             self._base.restart(cycle.set_point)
@@ -153,7 +162,7 @@ class AxisJobs:
         refusal = self._refusal(job, cycle)
         if refusal is not None:
             self._fail(followed, refusal)
-            return followed
+            return
         function = job.function
         if function is AxisFunction.RESET:
             self.reset()
@@ -180,7 +189,6 @@ class AxisJobs:
         else:
             self.owned = True
             self._start(followed)
-        return followed
 
     def stop(self, reason: str) -> None:
         """The machine stops the axis: jobs end with an error, the axis comes to rest, its state is ErrorStop."""
@@ -372,11 +380,21 @@ class AxisJobs:
         """Where a motion leads, in coordinates of the axis."""
         function = job.function
         if function is AxisFunction.MOVE_ABSOLUTE:
-            return job.position
+            return self._of_turn(job) if self._modulo else job.position
         discrete = self._current is not None and self._current.job.function in _MOVES
         if function is AxisFunction.MOVE_ADDITIVE and discrete:
             return self._base.target + self._offset + job.position
         return self.position + job.position
+
+    def _of_turn(self, job: Job) -> float:
+        """An absolute position of a modulo axis, in the turn that its direction leads to."""
+        base, extra = self._base, self._extra
+        motion = self._gear_state if self._gear is not None else State(base.position, base.velocity, base.acceleration)
+        v = motion.v + extra.velocity
+        plan_speed(
+            self._stopping_plan, State(self.position, v, motion.a + extra.acceleration), 0.0, self._dynamics(job)
+        )
+        return chosen_turn(job.position, self.position, self._stopping_plan.end.p, v, job.direction)
 
     def _endless_velocity(self, job: Job) -> float:
         if job.direction is Direction.NEGATIVE:
@@ -420,7 +438,7 @@ class AxisJobs:
         if following.job.function is AxisFunction.MOVE_VELOCITY:
             onwards = self._endless_velocity(following.job)
         elif following.job.function is AxisFunction.MOVE_ABSOLUTE:
-            onwards = following.job.position - self._offset - target
+            onwards = self._target(following.job) - self._offset - target
         else:
             onwards = following.job.position
         way = target - self._base.position
@@ -588,18 +606,23 @@ class AxisJobs:
             return self._problem(errors.JOB_STOPPING, job)
         if function is AxisFunction.HOME and not self._absolute:
             return self._problem(errors.JOB_HOME, job)
-        wrong = wrong_values(job, job.position - self.position)
+        wrong = wrong_values(job, 0.0 if self._modulo else job.position - self.position)
         if wrong:
             return self._problem(errors.JOB_VALUE, job, what=wrong)
         if self._waits(job):
             return self._problem(errors.JOB_BUFFER_FULL, job) if self._next is not None else None
         if function in (AxisFunction.GEAR_OUT, AxisFunction.PHASING) and self._gear is None:
             return self._problem(errors.JOB_NO_GEAR, job)
+        if function is AxisFunction.PHASING and job.master and not self._follows(job.master):
+            return self._problem(errors.JOB_OTHER_MASTER, job, master=job.master)
         if function in _SUPERIMPOSED or function in _MOVES:
             return self._aims_beyond(job)
         if function is AxisFunction.GEAR_IN and self._masters.numbers.get(job.master, self._index) == self._index:
             return self._problem(errors.JOB_MASTER, job, master=job.master)
         return None
+
+    def _follows(self, master: int) -> bool:
+        return self._gear is not None and self._masters.numbers.get(master) == self._gear.master
 
     def _wrong_probe(self, job: Job) -> Problem | None:
         if job.mode not in (1, 2) or job.master < 1:

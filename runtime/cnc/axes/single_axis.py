@@ -20,6 +20,7 @@ from runtime.cnc.axes.axis_plan import Dynamics, Plan, PositionPlanner, State, p
 
 PATIENCE = 3  # cycles without a plan for the goal until the axis brakes
 GREATEST_OVERRIDE = 2.0
+_ROUNDING = 1e-9
 
 
 class Goal(Enum):
@@ -246,5 +247,8 @@ class SingleAxis:
             return self.standstill and self._state.p == self.target
         if self.goal is Goal.SPEED and self.speed != 0.0:
             wanted = min(abs(self.speed) * max(self._planned_with, 0.0), self._limits.velocity)
-            return wanted > 0.0 and self._state.a == 0.0 and abs(abs(self._state.v) - wanted) <= 1e-6 * wanted
+            even = (
+                abs(self._state.a) <= _ROUNDING * self._limits.acceleration
+            )  # a plan from a higher speed leaves a trace
+            return wanted > 0.0 and even and abs(abs(self._state.v) - wanted) <= 1e-6 * wanted
         return self.standstill

@@ -15,6 +15,7 @@ from functools import partial
 
 from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, Stop
 from runtime.cnc.decoder import additions, cycles
+from runtime.cnc.decoder.axis_jobs import give_jobs, wait_for_jobs
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
@@ -176,6 +177,7 @@ class WordBlocks:
         x.compensation.follow(x)
         functions = functions_of(block, values, x)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
+        give_jobs(x, block, values)
         for before in functions.leading():
             x.emit(before)
         brakes = x.brake_in_front and x.dynamics.late_braking  # G09 for this block only
@@ -187,6 +189,7 @@ class WordBlocks:
         x.stop_exactly(motion and block.dwell < 0)
         for behind in functions.trailing():
             x.emit(behind)
+        wait_for_jobs(x)
         if block.beside is not None and not block.beside.statement.syntax.name.startswith("SUPPRESS"):
             STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))
         for kind in functions.stops:

@@ -153,6 +153,8 @@ class Execution:
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
         self.block_number = 0  # last N
+        self.job_ids: set[int] = set()  # of axis jobs, programmed so far
+        self.block_waits_for_jobs = False
         self.spindles = Spindles(setup.spindles, setup.main_spindle, setup.main_name)
         self.speed_argument = 0  # G function of the block in work whose argument S is, 0 if it is a speed
         self.dwell_revolutions = 0.0  # of the last G04 S

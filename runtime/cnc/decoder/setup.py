@@ -127,6 +127,15 @@ class SpindleSetup:
 
 
 @dataclass(frozen=True, slots=True)
+class OtherAxis:
+    """An axis of the machine outside of the channel; `index` among those of the machine."""
+
+    name: str
+    index: int
+    log_axis: int
+
+
+@dataclass(frozen=True, slots=True)
 class Limits:
     """How much of each kind a channel holds (configuration.decoder.*), and how deep programs may be nested."""
 
@@ -209,6 +218,9 @@ class DecoderSetup:
     contouring_inch: bool = False  # P-CHAN-00439
     limits: Limits = Limits()
     radius_compensation: bool = True  # P-CHAN-00092
+    other_axes: tuple[OtherAxis, ...] = ()  # without spindles
+    job_units: bool = False  # P-CHAN-00182
+    jobs_wait: bool = False  # P-CHAN-00359
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -297,6 +309,13 @@ class DecoderSetup:
                 )
             ),
             hide_cycles=bool(parameters.suppress_cycle_logging),
+            other_axes=tuple(
+                OtherAxis(axis.name, index, axis.log_axis)
+                for index, axis in enumerate(machine.axes)
+                if axis.name not in described.axes and axis.type is not AxisType.SPINDLE
+            ),
+            job_units=parameters.plcopen_std_unit,
+            jobs_wait=parameters.plcopen_implicit_sync,
             radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,
         )
 
@@ -316,6 +335,7 @@ class DecoderSetup:
             frozenset(self.h_synch),
             self.main_name,
             self.gear_change,
+            tuple(axis.name for axis in self.other_axes),
         )
 
     @property

@@ -11,6 +11,7 @@ class Addresses:
 
     `axes` in channel order; `spindles` their own names, in the order of the configuration; `main_name` is the name of whichever
     is the main spindle; `m` and `h` the numbers of usable functions. `gears`: M40 to M45 change the gear of the main spindle.
+    `other_axes`: axes of the machine outside of the channel, without spindles.
     """
 
     axes: tuple[str, ...]
@@ -19,6 +20,7 @@ class Addresses:
     h: frozenset[int] = field(default_factory=frozenset)
     main_name: str = ""
     gears: bool = False
+    other_axes: tuple[str, ...] = ()
 
     def axis(self, name: str) -> int:
         """Index of an axis, -1 if the channel has none of this name."""

@@ -19,6 +19,8 @@ import numpy.typing as npt
 from runtime.cnc.blocks import (
     AHEAD,
     Arc,
+    AxisJob,
+    AxisJobWait,
     AxisLimitChange,
     Block,
     BlockEnd,
@@ -54,6 +56,7 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomials import MAP
+from runtime.cnc.job_records import write_job, write_wait
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.beside_path import PathShare, beside_path
 from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
@@ -286,6 +289,10 @@ class QueueWriter:
                     block.spindle,
                 )
                 record["number"], record["value"] = int(block.what), block.value
+            case AxisJob():
+                write_job(record, block)
+            case AxisJobWait():
+                write_wait(record, block)
             case ToolLifeAction():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.TOOL_LIFE
                 record["number"] = _LIFE_COMMANDS.index(block.command)

@@ -239,6 +239,8 @@ class ChannelParameters(Model):
     feed_override_weight_dwell_time: bool = False  # P-CHAN-00353, the feed override stretches dwells
     time_override_weight_dwell_time: bool = False  # P-CHAN-00111, the time override stretches dwells
     suppress_ax_group_in_pos_check: bool = False  # P-CHAN-00173, continue does not look at the axes
+    plcopen_std_unit: bool = False  # P-CHAN-00182, values of axis jobs in mm instead of 0.1 µm, and so on
+    plcopen_implicit_sync: bool = False  # P-CHAN-00359, the path waits for every axis job at the end of its block
     disable_chamfers_roundings: bool = False  # P-CHAN-00273
     max_nc_blocks_ahead: int = 0  # P-CHAN-00216; 0: the decoder runs ahead as far as the queue has room
     max_motion_blocks_ahead: int = 0  # P-CHAN-00246

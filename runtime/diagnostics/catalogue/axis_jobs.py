@@ -68,3 +68,41 @@ JOB_RUNS = ErrorEntry(
     "a job of the PLC moves axis {axis}: no program can start",
     remedy="wait for its end, or stop the axis (MC_Stop, reset)",
 )
+JOB_OF_PROGRAM = ErrorEntry(
+    308018,
+    "axis {axis}: {function} of the program {what}",
+    severity=Severity.ERROR,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the alarm of the axis tells why; remove the cause, reset, and start the program again",
+)
+JOB_PATH_AXIS = ErrorEntry(
+    308019,
+    "{function}: axis {axis} is in the path of the program",
+    remedy="jobs are for axes outside of the channel; move this one with G00 or G01",
+)
+JOB_OF_SPINDLE = ErrorEntry(
+    308020,
+    "{function}: {axis} is a speed-controlled spindle, and a job needs an axis with position control",
+    remedy="command it by S functions, or describe it as a rotary axis outside of the channel",
+)
+JOB_NO_AXIS = ErrorEntry(
+    308021, "{function}: the machine has no axis {axis}", remedy="axes that take jobs of this program: {known}"
+)
+JOB_FUNCTION = ErrorEntry(308022, "{function!r} is no job of an axis", remedy="known: {known}")
+JOB_UNSUPPORTED = ErrorEntry(308023, "{what} is not available in this version", remedy="{instead}")
+JOB_INPUT = ErrorEntry(
+    308024,
+    "{function}: {key} = {value:.9g} is not allowed, it is {range}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="correct the value",
+)
+JOB_ID = ErrorEntry(
+    308025,
+    "no job with the id {id} was programmed up to here",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="X[MC_... Id={id}] in front of #WAIT MC_STATUS",
+)
+JOB_RATIO = ErrorEntry(308026, "{function} needs {what}, once", remedy="B[MC_GearIn Master=X RN=1 RD=2 Mode=0]")
+JOB_OTHER_MASTER = _entry(
+    308027, "axis {axis}: {function} names master {master}, and it follows another one", "name the master of MC_GearIn"
+)

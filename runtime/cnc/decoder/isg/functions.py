@@ -1,6 +1,7 @@
 """All registrations of the dialect: importing this module fills the tables."""
 
 from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is named after
+    axis_jobs,
     contouring,
     g_calls,
     g_coordinates,

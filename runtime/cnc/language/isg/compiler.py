@@ -185,6 +185,7 @@ class CompiledBlock:
     motion: int = -1
     assigned: bool = False  # nothing but assignments
     counter: Counter | None = None  # of $FOR
+    jobs: tuple[StatementSlots, ...] = ()
     macro_version: int = -1  # of the macros that its text was read with, -1 if it has no quoted text
 
     @property
@@ -286,6 +287,7 @@ def compile_block(
     functions_of: dict[WordKind, list[FunctionSlots]] = {WordKind.M: [], WordKind.H: []}
     g: list[GSlots] = []
     brackets: list[BracketSlots] = []
+    jobs: list[StatementSlots] = []
     additions: list[tuple[str, int]] = []
     declarations: list[DeclarationSlots] = []
     special: dict[WordKind, Word] = {}
@@ -302,6 +304,8 @@ def compile_block(
             interpolation.append((word.index, emitter.slot(word.value)))
         elif kind in functions_of:
             functions_of[kind].append(FunctionSlots(word, emitter.slot(word.value), emitter.slot(word.extra)))
+        elif kind is WordKind.BRACKET and (job := _statement(word.job, emitter)) is not None:
+            jobs.append(job)
         elif kind is WordKind.BRACKET:
             commands = tuple(FunctionSlots(w, emitter.slot(w.value), emitter.slot(w.extra)) for w in word.inner)
             brackets.append(BracketSlots(word, commands))
@@ -373,6 +377,7 @@ def compile_block(
         simple=simple,
         motion=motions[0] if simple and motions else -1,
         assigned=plain and bool(kinds) and kinds == {WordKind.ASSIGNMENT},
+        jobs=tuple(jobs),
         macro_version=macro_version,
     )
 

@@ -15,6 +15,7 @@ from runtime.cnc.language.isg import expressions
 from runtime.cnc.language.isg.brackets import take_brackets
 from runtime.cnc.language.isg.comments import LineError, blank_comments
 from runtime.cnc.language.isg.environment import Access, Environment
+from runtime.cnc.language.isg.job_brackets import take_jobs
 from runtime.cnc.language.isg.macros import define_and_replace, g_expressions
 from runtime.cnc.language.isg.numeric_blocks import numeric_block
 from runtime.cnc.language.isg.returning import parse_return
@@ -445,6 +446,7 @@ class BlockParser:
             head = self._head(blanked[: at.start], statement)
             added = self._statements.parse(beside.text, beside.at) if beside is not None else None
             return ParsedBlock((), None, statement, head.number, head.skip_level, head.label, macros, added)
+        blanked, jobs = take_jobs(blanked, self.addresses, self._statements)
         blanked, brackets = take_brackets(blanked, self)
         blanked, beside = beside_words(blanked)
         addition: ParsedStatement | None = None
@@ -452,7 +454,7 @@ class BlockParser:
             addition = self._statements.parse(beside.text, beside.at)
         parsed = self._by_lark(blanked, "block")
         assert isinstance(parsed, ParsedBlock)
-        words = (*(self._completed(word) for word in parsed.words), *brackets)
+        words = (*(self._completed(word) for word in parsed.words), *brackets, *jobs)
         return ParsedBlock(
             words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
         )

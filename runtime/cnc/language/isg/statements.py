@@ -122,6 +122,19 @@ class StatementParser:
         self._check(syntax, arguments, at.start + 1)
         return ParsedStatement(syntax, at.start + 1, arguments)
 
+    def job(self, text: str, name: str, index: int, start: int, begin: int, end: int) -> ParsedStatement | None:
+        """<axis>[MC_... keys]: what is registered as `name`, None if nothing is; its keys stand between `begin` and `end`."""
+        syntax = self._statements.get(name.upper())
+        if syntax is None:
+            return None
+        arguments = (Argument("AX", start + 1, index=index), *self._keys(syntax, text, begin, end))
+        self._check(syntax, arguments, start + 1)
+        return ParsedStatement(syntax, start + 1, arguments)
+
+    def known(self, beginning: str) -> list[str]:
+        """Names of registered statements that begin so."""
+        return [syntax.name for syntax in self._statements.values() if syntax.name.startswith(beginning)]
+
     def _named(self, text: str, at: StatementStart) -> tuple[StatementSyntax, int]:
         """The statement with the longest name that fits, and where its arguments begin."""
         begin = position = at.start + (1 if at.hash else 0)
@@ -277,8 +290,12 @@ class StatementParser:
             return Argument(key.name, column, text=text.upper(), index=index)
         if key.kind is KeyKind.NAME and text[0] != '"' and not text.upper().startswith("V."):
             return Argument(key.name, column, expressions.text(text), text, index)
+        if key.kind is KeyKind.MACHINE_AXIS:
+            addresses = self._blocks.addresses
+            if text in (*addresses.axes, *addresses.other_axes):
+                return Argument(key.name, column, text=text)
         value = self._blocks.expression(text, column)
-        if key.kind in (KeyKind.NUMBER, KeyKind.SWITCH):
+        if key.kind in (KeyKind.NUMBER, KeyKind.SWITCH, KeyKind.MACHINE_AXIS):
             value = expressions.number(value, key.name, column)
         elif key.kind in (KeyKind.STRING, KeyKind.NAME):
             value = expressions.string(value, key.name, column)
@@ -405,6 +422,7 @@ class StatementParser:
         for argument in arguments:
             if syntax.form is Form.KEYS and argument.name:
                 many = argument.name in ("AX", "AXNR", "P", "N", "LABEL") or syntax.name.startswith("#")
+                many |= any(key.many for key in syntax.keys if key.name == argument.name)
                 if (argument.name, argument.index) in seen and not many:
                     raise LineError(catalogue.KEY_TWICE, argument.column, key=argument.name, statement=_title(syntax))
                 seen.add((argument.name, argument.index))

@@ -82,6 +82,7 @@ class KeyKind(Enum):
     WORD = auto()  # one of `words`
     NAME = auto()  # a file or program name, quoted or not
     TARGET = auto()  # something that can be assigned: P parameter or variable, written as the key itself
+    MACHINE_AXIS = auto()  # the name of any axis of the machine, or its logical number
     LABEL = auto()  # a string label in brackets, without a key
 
 
@@ -94,6 +95,7 @@ class Key:
     words: tuple[str, ...] = ()
     indexed: tuple[int, int] | None = None
     needed: bool = False
+    many: bool = False  # it may be given several times
 
 
 class Form(Enum):

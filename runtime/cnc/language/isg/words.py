@@ -41,7 +41,9 @@ class WordKind(IntEnum):
     RETURN = auto()  # M17 or M29 with brackets
     GOTO = auto()
     SPINDLE_POSITION = auto()  # S.POS
-    BRACKET = auto()  # S[..] or X[..]: channel axis index, -1 for a spindle; `name` as written
+    BRACKET = (
+        auto()
+    )  # S[..] or X[..]: channel axis index, -1 for a spindle; with a `job` that of another axis; `name` as written
     KEY = auto()  # in such a bracket: REV, POS …; `target` is a literal value
 
 
@@ -83,6 +85,7 @@ class Word:
     indices: tuple[Expression, ...] = ()
     flush: bool = False
     inner: tuple[Word, ...] = ()  # of a bracket
+    job: ParsedStatement | None = None  # in a bracket, MC_...
 
 
 class Control(Enum):

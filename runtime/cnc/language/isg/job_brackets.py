@@ -1,0 +1,65 @@
+"""Jobs of axes outside of the channel: B[MC_MoveAbsolute Position=.. Velocity=.. Direction=..] (programming manual, line 25538).
+
+Several of them may stand in a block, beside everything else. They are taken out of its text before its grammar sees it; what is
+in the bracket is read as the registration of the job says.
+"""
+
+from __future__ import annotations
+
+import re
+
+from runtime.cnc.language.addresses import Addresses
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.statements import StatementParser
+from runtime.cnc.language.isg.words import Word, WordKind
+from runtime.diagnostics.catalogue import axis_jobs, technology
+
+PREFIX = "<axis>["
+_OPENING = re.compile(r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(?<![\w.@#$])([A-Z]\w*)[ \t]*\[[ \t]*(MC_\w*)", re.IGNORECASE)
+
+
+def job_name(function: str) -> str:
+    """The name under which a job is registered. No # statement can be written like that."""
+    return f"{PREFIX}{function}]"
+
+
+def take_jobs(text: str, addresses: Addresses, statements: StatementParser) -> tuple[str, tuple[Word, ...]]:
+    """Block text with the jobs blanked, and a word for each of them; raises LineError."""
+    words: list[Word] = []
+    at = 0
+    while (match := _OPENING.search(text, at)) is not None:
+        at = match.end()
+        if match.group(1) is None:  # a quoted text
+            continue
+        start, name, function = match.start(), match.group(1), match.group(2)
+        end = _closing(text, text.index("[", start))
+        index = _axis(addresses, name, function, start + 1)
+        job = statements.job(text, job_name(function), index, start, at, end)
+        if job is None:
+            known = ", ".join(known.removeprefix(PREFIX).rstrip("]") for known in statements.known(PREFIX))
+            raise LineError(axis_jobs.JOB_FUNCTION, match.start(2) + 1, function=function, known=known)
+        words.append(Word(WordKind.BRACKET, start + 1, index=index, name=name, job=job))
+        at = end + 1
+        text = text[:start] + " " * (at - start) + text[at:]
+    return text, tuple(words)
+
+
+def _closing(text: str, opening: int) -> int:
+    depth = 0
+    for place in range(opening, len(text)):
+        depth += (text[place] == "[") - (text[place] == "]")
+        if depth == 0:
+            return place
+    raise LineError(technology.BRACKET_OPEN, opening + 1)
+
+
+def _axis(addresses: Addresses, name: str, function: str, column: int) -> int:
+    """Index among the axes outside of the channel; LineError for one that takes no job of the program."""
+    if name in addresses.other_axes:
+        return addresses.other_axes.index(name)
+    if addresses.axis(name) >= 0:
+        raise LineError(axis_jobs.JOB_PATH_AXIS, column, axis=name, function=function)
+    if addresses.has_spindle(name):
+        raise LineError(axis_jobs.JOB_OF_SPINDLE, column, axis=name, function=function)
+    known = ", ".join(addresses.other_axes) or "none"
+    raise LineError(axis_jobs.JOB_NO_AXIS, column, axis=name, function=function, known=known)
