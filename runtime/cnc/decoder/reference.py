@@ -49,6 +49,13 @@ WORDS: dict[WordKind, tuple[Row, ...]] = {
     WordKind.FEED: (Row("F", "F..", "modal", "feed, in what G93, G94, G95 or G194 say"),),
     WordKind.END_FEED: (Row("E", "E..", "block", "feed at the end of a block"),),
     WordKind.SPEED: (Row("S", "S.. | S<spindle>=..", "modal", "speed of a spindle (rev/min)"),),
+    WordKind.SPINDLE_POSITION: (
+        Row("S.POS", "S.POS.. | S<spindle>.POS=..", "modal", "position at which M19 stops a spindle (deg)"),
+    ),
+    WordKind.BRACKET: (
+        Row("S[ ]", "S<spindle>[<words>] | <axis>[<words>]", "block", "M, H, G and keys of a spindle or an axis"),
+    ),
+    WordKind.KEY: (Row("REV", "S<spindle>[REV.. M3]", "modal", "in such brackets: REV, POS, OVERRIDE, AUTO, MAIN …"),),
     WordKind.TOOL: (Row("T", "T..", "modal", "tool position"),),
     WordKind.TOOL_DATA: (Row("D", "D..", "modal", "tool data: length, radius, axis offsets; D0: of no tool"),),
     WordKind.M: (Row("M", "M.. | M..=..", "block", "technology function for the PLC, with a value if wanted"),),

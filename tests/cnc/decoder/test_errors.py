@@ -92,6 +92,14 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
 
 # text, entry, line, column; found while decoding
 DYNAMIC: list[tuple[str, ErrorEntry, int, int]] = [
+    ("G74 X0\nM30", C.HOMING_ORDER, 1, 1),
+    ("N1 G74 X1.5\nM30", C.HOMING_ORDER, 1, 4),
+    ("G201 X0\n#HANDWHEEL [AX=X RES1=1]\nM30", C.MANUAL_ACTIVE, 2, 1),
+    ("#HANDWHEEL [AX=X AXNR=1 RES1=1]\nM30", C.MANUAL_AXIS, 1, 1),
+    ("#HANDWHEEL [RES1=1]\nM30", C.MANUAL_AXIS, 1, 1),
+    ("#JOG CONT [AX=X FEED1=0]\nM30", C.MANUAL_STAGE, 1, 17),
+    ("#JOG INCR [AX=X DIST1=1 FEED1=100 DIST2=1]\nM30", C.MANUAL_PAIR, 1, 1),
+    ("#MANUAL LIMITS [AX=X NEGATIVE=1 POSITIVE=2]\nM30", C.MANUAL_SIGN, 1, 1),
     ("D1\nM30", tools.TOOL_MISSING, 1, 1),
     ("X1 F1 $GOTO N10\nM30", C.LABEL_MISSING, 1, 7),
     ("G81\nM30", C.CALL_FILE, 1, 1),

@@ -113,7 +113,7 @@ MISTAKES = {
     "spindle without a name": ("spindel[0].s_synch MOS", 302007, 20, "spindel[0] lacks the key 'bezeichnung'"),
     "gap": ("spindel[1].bezeichnung S", 302033, 24, "spindel[0] is not"),
     "number of spindles": ("spdl_anzahl 2\nspindel[0].bezeichnung S", 302034, 13, "spdl_anzahl is 2"),
-    "another main spindle": ("main_spindle_name S2\nspindel[0].bezeichnung S", 302034, 19, "main spindle"),
+    "another main spindle": ("main_spindle_name M2\nspindel[0].bezeichnung S", 302034, 19, "first letter"),
     "spindle that is no axis": ("spindel[0].bezeichnung S2", 302013, 24, "'S2'"),
     "spindle that is a linear axis": ("spindel[0].bezeichnung X", 302021, 24, "its type is linear"),
     "logical number of a spindle": (

@@ -46,7 +46,8 @@ def numeric_block(text: str, addresses: Addresses) -> ParsedBlock | None:
         elif upper in _KINDS:
             if upper == "S" and not addresses.spindles:
                 return None
-            words.append(Word(_KINDS[upper], column, _value(digits, found.start(2))))
+            name = letter if upper == "S" else ""  # of a spindle
+            words.append(Word(_KINDS[upper], column, _value(digits, found.start(2)), name=name))
         elif upper in "IJK":
             words.append(
                 Word(WordKind.INTERPOLATION, column, _value(digits, found.start(2)), "IJK".index(upper), name=upper)
