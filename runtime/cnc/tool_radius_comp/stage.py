@@ -443,18 +443,15 @@ class _Run:
         last = self._window.elements[self._joined]
         turned = reversed_element(last)[0]
         end = self._in_plane(block.end)
+        back = reversed_element(self._record(block)[0])
         try:
-            way = enter(self._approach, end, reversed_element(self._record(block)[0]), turned, self._settings)
+            way = enter(self._approach, end, back, turned, self._settings)
         except ApproachError as error:
             values = {"what": "exit", **error.values}
             raise CompensationError(error.entry, _place(block.source), **values) from None
         yield from self._close(float(last["length"]) - way.begin)
         assert self._place is not None
-        pieces, split, back = (
-            list(reversed_way(way, end)),
-            self._settings.split,
-            reversed_element(self._record(block)[0]),
-        )
+        pieces, split = list(reversed_way(way, end)), self._settings.split
         if split is not None and split.leaving and can_be_split(self._approach, back, turned):
             pieces = in_segments(self._in_plane(self._place), pieces, split, self._plane, True)
         yield from in_pieces(block, self._place, pieces, self._plane, block.feed, block.end)
