@@ -175,7 +175,6 @@ def test_stop_ends_what_moves_the_axis(rig: Rig) -> None:
     rig.assert_smooth()
 
 
-@pytest.mark.spec("isg.plcopen.mc-home")
 def test_an_axis_with_an_absolute_encoder_is_homed_at_once(rig: Rig) -> None:
     rig.start("%T\nN10 B[MC_Home WaitSyn]\nN20 G01 X1 F600\nM30\n")
     finish(rig)
