@@ -175,7 +175,6 @@ def test_stop_ends_what_moves_the_axis(rig: Rig) -> None:
     rig.assert_smooth()
 
 
-@pytest.mark.spec("isg.plcopen.mc-home")
 def test_an_axis_with_an_absolute_encoder_is_homed_at_once(rig: Rig) -> None:
     rig.start("%T\nN10 B[MC_Home WaitSyn]\nN20 G01 X1 F600\nM30\n")
     finish(rig)
@@ -320,3 +319,16 @@ def test_a_job_inside_of_a_modal_path_interrupts_it_where_it_stands(rig: Rig, mo
     rig.until(lambda: rig.place("X") > 20.001)
     assert rig.place("B") == pytest.approx(10.0)
     finish(rig)
+
+
+@pytest.mark.spec("isg.plcopen.mc-phasing")
+def test_phasing_names_the_master_of_the_gear(rig: Rig) -> None:
+    rig.start(
+        "%T\nN10 B[MC_GearIn Master=X RN=1 RD=1 Mode=0]\nN20 B[MC_Phasing Master=Y PhaseShift=1 Velocity=1]\n"
+        "N30 G01 X100 F600\nM30\n"
+    )
+    rig.until(lambda: not active(rig))
+    told = rig.simulation.problems
+    assert [problem.entry for problem in told][:2] == [axis_jobs.JOB_OTHER_MASTER, axis_jobs.JOB_OF_PROGRAM]
+    assert told[1].place.line == 3
+    assert rig.place("X") < 5.0
