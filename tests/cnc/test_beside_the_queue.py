@@ -36,7 +36,7 @@ def test_a_long_text_ends_at_a_letter() -> None:
     assert queue.texts.take(queue.texts.put("x" + "ü" * TEXT_BYTES)) == "x" + "ü" * ((TEXT_BYTES - 1) // 2)
 
 
-@pytest.mark.parametrize("name", [None, f"tandem-test-reports-{os.getpid()}"])
+@pytest.mark.parametrize("name", [None, "tandem-test-reports"], ids=["private", "shared"])
 def test_reports_arrive_once_with_their_numbers(name: str | None) -> None:
     cycle = PreparationLink(3, name)
     preparation = cycle if name is None else PreparationLink(3, name, create=False)
