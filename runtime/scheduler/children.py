@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 _PR_SET_PDEATHSIG = 1
 
@@ -23,6 +24,18 @@ def die_with_parent(by: signal.Signals = signal.SIGTERM) -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     libc.prctl(_PR_SET_PDEATHSIG, by, 0, 0, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def parent_gone(parent: int) -> bool:
+    """Whether the process that was our parent is dead, or on its way: the kernel gives its children to another one only when its
+    last thread has ended, which takes a large process some tenths of a second."""
+    if os.getppid() != parent:
+        return True
+    try:
+        stat = Path(f"/proc/{parent}/stat").read_text()
+    except OSError:
+        return True
+    return stat.rpartition(")")[2].split()[0] in ("Z", "X")
 
 
 @dataclass(slots=True)

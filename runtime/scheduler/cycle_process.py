@@ -29,7 +29,7 @@ from runtime.fieldbus.master import CanopenMaster
 from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
 from runtime.scheduler import names
-from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.children import die_with_parent, parent_gone
 from runtime.scheduler.clock import RealTimeClock
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.keeping import retained_of
@@ -133,13 +133,13 @@ class CycleProcess:
 
     @property
     def _orphaned(self) -> bool:
-        return os.getppid() != self._parent
+        return parent_gone(self._parent)
 
     def _tell_why_stopped(self) -> None:
         """SIGTERM comes from the service process, or from the kernel because that process has died.
 
-        The kernel's comes with the first thread of the service that dies, a moment before the whole process is gone; so this is
-        called once more when the machine stands.
+        The kernel's comes with the first thread of the service that dies, which need not be the main one; so this is called
+        once more when the machine stands.
         """
         entry = alarms.SERVICE_LOST if self._orphaned else alarms.STOP_ORDERED
         if entry is not self._told_reason:
