@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -211,6 +212,9 @@ def main() -> int:
         process.drives.stop()
         code = 1
     process.close(clean=code == 0)
+    del process
+    gc.unfreeze()  # objects of extension modules that are alive at the end would be told as leaks
+    gc.collect()
     return code
 
 
