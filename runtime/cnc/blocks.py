@@ -348,7 +348,8 @@ class CompensationSettings:
     """What G functions and #TRC choose for radius compensation; the defaults are the initial state of a program."""
 
     circular: bool = False  # G26: arcs around outside corners
-    adapt_feed: bool = False  # G11: F counts at the cutting edge
+    adapt_feed: bool = False  # G11: F counts at the cutting edge,
+    adapted_from: float = 0.0  # mm: on arcs from this programmed radius on (#TANGFEED)
     reverse: bool = False
     ignore_damage: bool = False  # IGNORE_CONT_DAMAGE
     extended_limit: bool = False  # EXT_ANGLE_BLOCK_INTERSECTION

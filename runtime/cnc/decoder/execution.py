@@ -104,7 +104,6 @@ class Execution:
             self.modal.feed = setup.feed
         self.dynamics = setup.dynamics
         self.corner_parameters: CornerDeceleration | None = None  # of #CORNER PARAM
-        self.tangential_radius = 0.0  # mm, of #TANGFEED: arcs below it keep their feed with G11
         self.feed_group: FeedGroup = setup.feed_group
         self.smoothing = Smoothing(Contouring(check_jerk=setup.poly_jerk))
         self.coordinates = Coordinates.at(start)

@@ -492,7 +492,7 @@ class _Run:
             self._failed = self._damage_of(int(bad[0]))
             ready = self._in_front_of(int(bad[0]))
         self._joined -= ready
-        return window.put_out(ready, s.adapt_feed) if ready else []
+        return window.put_out(ready, s) if ready else []
 
     def raise_what_failed(self) -> None:
         """Raise the damage that was found."""
@@ -524,13 +524,13 @@ class _Run:
         window, elements = self._window, self._window.elements
         if elements["status"][self._joined] != GOOD and not self._settings.ignore_damage:
             error = self._damage_of(self._joined)
-            yield from window.put_out(self._in_front_of(self._joined), self._settings.adapt_feed)
+            yield from window.put_out(self._in_front_of(self._joined), self._settings)
             raise error
         rest = elements[self._joined + 1 : window.count]
         rest["bx"], rest["by"], rest["ex"], rest["ey"] = x, y, x, y
         self._place = window.placed(window.count)[1][-1].copy()
         self._place[list(self._plane)] = x, y
-        yield from window.put_out(window.count, self._settings.adapt_feed)
+        yield from window.put_out(window.count, self._settings)
         self._joined = 0
 
     def _change_radius(self, block: Line | Arc) -> Iterator[Block]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from runtime.cnc.blocks import Arc, Block, Floats, Line, Polyline, Source
+from runtime.cnc.blocks import Arc, Block, CompensationSettings, Floats, Line, Polyline, Source
 from runtime.cnc.tool_radius_comp.corners import vertices
 from runtime.cnc.tool_radius_comp.elements import (
     ARC,
@@ -135,14 +135,14 @@ class Window:
                 at += len(block.feeds)
         raise IndexError(element)
 
-    def put_out(self, behind: int, adapt_feed: bool) -> list[Block]:
+    def put_out(self, behind: int, settings: CompensationSettings) -> list[Block]:
         """The tool path of the elements before `behind`, and what stands between and directly after them.
 
         Blocks in front of element `behind` go out too. What is put out is no longer in hand.
         """
         blocks, loaded = self._blocks, self._loaded
         out: list[Block] = []
-        path = _Path(self, behind, adapt_feed, out)
+        path = _Path(self, behind, settings, out)
         at = taken = 0
         for block in blocks:
             kind = type(block)
@@ -183,10 +183,10 @@ class Window:
 class _Path:
     """Elements of a window on their way to `out`."""
 
-    def __init__(self, window: Window, behind: int, adapt_feed: bool, out: list[Block]) -> None:
+    def __init__(self, window: Window, behind: int, settings: CompensationSettings, out: list[Block]) -> None:
         self._elements = elements = window.elements[:behind]
         self._plane = window.plane
-        self._adapt = adapt_feed
+        self._adapt, self._adapted_from = settings.adapt_feed, settings.adapted_from
         self._out = out
         starts, ends, moved = window.placed(behind)
         self._starts, self._ends, self._moved = list(starts), list(ends), list(moved)
@@ -234,7 +234,7 @@ class _Path:
         else:
             assert isinstance(block, Arc)
             feed = block.feed
-            if self._adapt:
+            if self._adapt and block.radius >= self._adapted_from:
                 feed *= self._radius[at] / block.radius
             self._out.append(
                 Arc(

@@ -231,6 +231,24 @@ def test_g11_keeps_the_feed_at_the_cutting_edge() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.spec("isg.add.tangfeed")
+@pytest.mark.parametrize(
+    ("command", "feeds"),
+    [
+        ("#TANGFEED [RMIN=0]", [750, 1125]),
+        ("#TANGFEED [RMIN=20]", [750, 1125]),
+        ("#TANGFEED [RMIN=21]", [1000, 1125]),
+        ("#SET TANGFEED RMIN [41]", [1000, 1000]),
+    ],
+)
+def test_g11_adapts_arcs_from_a_radius_on(command: str, feeds: list[float]) -> None:
+    contour = "G41 G01 X0 Y0\nX40\nG03 X60 Y20 J20\nG01 Y40\nX100\nG02 X140 Y0 J-40\nG40 G01 Y-20"
+    text = f"G11 G26 G162 G00 X-20 Y0\n{command}\n{contour}\nM30"
+    path = tool_path(text)
+    assert path.error is None
+    assert [m.feed for m in path.motions if isinstance(m, Arc) and m.source.line in (5, 8)] == feeds
+
+
 @pytest.mark.spec("isg.trc.g40-g41-g42")
 @pytest.mark.parametrize("settings", ["G25", "G26"])
 def test_runs_of_short_lines_give_the_path_of_the_single_blocks(settings: str) -> None:

@@ -89,7 +89,7 @@ def _tangential(x: Execution, call: StatementCall, radius: float) -> None:
     radius = x.length(radius)
     if not 0.0 <= radius < math.inf:
         raise call.error(catalogue.RADIUS_NEGATIVE, value=radius)
-    x.tangential_radius = radius
+    x.modal.compensation = replace(x.modal.compensation, adapted_from=radius)
 
 
 @statement("SET TANGFEED RMIN", "isg.add.tangfeed", syntax="#SET TANGFEED RMIN [..]", form=Form.VALUE)
