@@ -527,7 +527,7 @@ class AxisJobs:
                 self._base.move_at(velocity, gear.dynamics)
             p = self._base.step(1.0, hold)
             self._gear_state = State(p, self._base.velocity, self._base.acceleration)
-            # locking changes velocity and acceleration by what is left: within one cycle of jerk together
+            # locking changes velocity and acceleration by what is left, beside the jerk of the ramp: 1.5 times it together
             near = 0.25 * self._limits.jerk * self._period
             slow = abs(self._base.velocity - velocity) <= near * self._period
             if gear.seen > _SEEN and slow and abs(self._base.acceleration - acceleration) <= near:
