@@ -112,10 +112,22 @@ def test_an_endless_loop_is_found_by_check(tmp_path: Path, capsys: Capture) -> N
 def test_an_endless_loop_in_simulate_can_be_interrupted(tmp_path: Path, capsys: Capture, options: list[str]) -> None:
     program = tmp_path / "endless.nc"
     program.write_text(LOOP)
-    interrupt = threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT))
-    interrupt.start()
-    code, _ = run(capsys, "simulate", *options, program)
-    interrupt.join()
+    over = threading.Event()
+
+    def press() -> None:
+        """Ctrl-C, again if it came at a moment that does not heed it, as while a kernel is loaded."""
+        pause = 1.0
+        while not over.wait(pause):
+            os.kill(os.getpid(), signal.SIGINT)
+            pause = 10.0
+
+    interrupts = threading.Thread(target=press)
+    interrupts.start()
+    try:
+        code, _ = run(capsys, "simulate", *options, program)
+    finally:
+        over.set()
+        interrupts.join()
     assert code == 130
 
 
