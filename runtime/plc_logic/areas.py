@@ -75,7 +75,7 @@ class BoolCommand(_Command):
         return bool(area._unit(self._name).state_r)
 
     def __set__(self, area: _Area, value: bool) -> None:
-        unit = area._unit(self._name)
+        unit = area._units.get(self._name) or area._unit(self._name)  # a call less
         unit.command_w = bool(value)
         unit.enable_w = True
 

@@ -56,14 +56,16 @@ class Io:
         raise self._unknown(name)
 
     def __setattr__(self, name: str, value: bool) -> None:
-        if (place := self._output_bits.get(name)) is None:
+        try:
+            byte, mask = self._output_bits[name]
+        except KeyError:
             if name in self._input_bits:
-                raise PlcError(catalogue.PLC_INPUT_ASSIGNED, name=name)
-            raise self._unknown(name)
+                raise PlcError(catalogue.PLC_INPUT_ASSIGNED, name=name) from None
+            raise self._unknown(name) from None
         if value:
-            self._outputs[place[0]] |= place[1]
+            self._outputs[byte] |= mask
         else:
-            self._outputs[place[0]] &= ~place[1]
+            self._outputs[byte] &= ~mask
 
     def __dir__(self) -> list[str]:
         return [*self._input_bits, *self._output_bits]
