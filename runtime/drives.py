@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from enum import IntEnum
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +34,30 @@ class DriveState(IntEnum):
     FAULT = 8
 
 
+class DriveMode(IntEnum):
+    """Modes of operation of CiA 402 (object 0x6060); bit `mode - 1` of 0x6502 says whether a drive has it."""
+
+    CONFIGURED = 0  # in the image: the one that the machine description gives the drive
+    PROFILE_POSITION = 1
+    PROFILE_VELOCITY = 3
+    PROFILE_TORQUE = 4
+    HOMING = 6
+    INTERPOLATED_POSITION = 7
+    CYCLIC_SYNCHRONOUS_POSITION = 8
+    CYCLIC_SYNCHRONOUS_VELOCITY = 9
+    CYCLIC_SYNCHRONOUS_TORQUE = 10
+
+
+class HomingState(IntEnum):
+    """What became of a homing that the drive does itself (mode 6)."""
+
+    IDLE = 0  # none is requested
+    RUNNING = 1
+    DONE = 2  # the drive has its reference and takes set-points again; stays until the request is taken back
+    FAILED = 3  # homing error, the drive was disabled, or it has no homing mode
+    STOPPING = 4  # the request was taken back before it was done: the drive brakes
+
+
 class DriveEvent(NamedTuple):
     """Something the bus has to tell the cycle: a catalogue error, where, and the code the node gave."""
 
@@ -45,7 +69,22 @@ class DriveEvent(NamedTuple):
 
 
 class DriveImage:
-    """What is exchanged with the drives in every cycle, for `n` axes in the order of the machine description."""
+    """What is exchanged with the drives in every cycle, for `n` axes in the order of the machine description.
+
+    What only some drives exchange (torque, inputs, probes: `process_data` of the machine description) stays 0 for others.
+    """
+
+    SET_POINTS: Final = (
+        "target_position", "target_velocity", "target_torque", "torque_limit", "mode", "enable", "quick_stop",
+        "reset_fault", "halt", "homing_request", "probe_function", "origin", "correction", "digital_out", "analogue_out",
+    )  # fmt: skip
+    """The arrays that the axes write, for whoever records them."""
+    FEEDBACK: Final = (
+        "actual_position", "actual_velocity", "actual_torque", "drive_lag", "state", "fault_code", "mode_shown",
+        "target_reached", "limited", "drive_inputs", "homing_state", "probe_status", "probe_position", "digital_in",
+        "analogue_in",
+    )  # fmt: skip
+    """The arrays that the bus writes; `events` and the figures come beside them. Homing by the drive sets `origin` too."""
 
     def __init__(self, n: int) -> None:
         self.n = n
@@ -58,11 +97,29 @@ class DriveImage:
         self.digital_out: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
         self.analogue_out: Floats = np.zeros(ANALOGUE_VALUES)
         self.origin: Floats = np.zeros(n)  # position of the axis where its drive counts 0; changed by homing
+        self.correction: Floats = np.zeros(n)  # position of the drive minus that of the axis (backlash, pitch error)
+        self.mode: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveMode wanted
+        self.target_torque: Floats = np.zeros(n)  # share of the rated torque (torque modes)
+        self.torque_limit: Floats = np.full(n, np.inf)  # share of the rated torque; inf: the drive's own limit
+        self.halt: Flags = np.zeros(
+            n, dtype=np.bool_
+        )  # brake and stay enabled (modes in which the drive moves by itself)
+        self.homing_request: Flags = np.zeros(n, dtype=np.bool_)  # home by the drive; taken back: stop
+        self.probe_function: npt.NDArray[np.uint16] = np.zeros(n, dtype=np.uint16)  # object 0x60B8
         # feedback, written by the bus
         self.actual_position: Floats = np.zeros(n)
         self.actual_velocity: Floats = np.zeros(n)
         self.state: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveState
         self.fault_code: npt.NDArray[np.int32] = np.zeros(n, dtype=np.int32)  # CiA 402 object 0x603F
+        self.mode_shown: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveMode that the drive is in
+        self.target_reached: Flags = np.zeros(n, dtype=np.bool_)  # bit 10 of the status word
+        self.limited: Flags = np.zeros(n, dtype=np.bool_)  # bit 11: the drive cannot do what it is told
+        self.actual_torque: Floats = np.zeros(n)  # share of the rated torque
+        self.drive_lag: Floats = np.zeros(n)  # following error that the drive measures (0x60F4)
+        self.drive_inputs: npt.NDArray[np.uint32] = np.zeros(n, dtype=np.uint32)  # object 0x60FD
+        self.homing_state: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # HomingState
+        self.probe_status: npt.NDArray[np.uint16] = np.zeros(n, dtype=np.uint16)  # object 0x60B9
+        self.probe_position: Floats = np.zeros((n, 4))  # of the axis: probe 1 rising, falling, probe 2 rising, falling
         self.digital_in: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
         self.analogue_in: Floats = np.zeros(ANALOGUE_VALUES)
         self.events: deque[DriveEvent] = deque(maxlen=64)

@@ -26,13 +26,6 @@ SUPPORTED_MODES: Final = 0x6502
 DEVICE_PROFILE: Final = 402
 
 
-class Mode(IntEnum):
-    """Modes of operation (0x6060); bit `mode - 1` of 0x6502 says whether a drive has it."""
-
-    CYCLIC_SYNCHRONOUS_POSITION = 8
-    CYCLIC_SYNCHRONOUS_VELOCITY = 9
-
-
 # Status words: the first pattern that fits decides.
 STATUS_PATTERNS: Final[tuple[tuple[int, int, DriveState], ...]] = (
     # mask, value, state

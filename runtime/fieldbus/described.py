@@ -11,9 +11,8 @@ from canopen.objectdictionary import ObjectDictionaryError
 
 from runtime.config.machine import Axis, AxisType, Drive, IoNode, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
-from runtime.drives import DIGITAL_BYTES
+from runtime.drives import DIGITAL_BYTES, DriveMode
 from runtime.fieldbus import cia402, exchange
-from runtime.fieldbus.cia402 import Mode
 from runtime.fieldbus.dialogue import GUARD_TIME, LIFE_TIME_FACTOR, PRODUCER_HEARTBEAT
 from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.errors import FieldbusError
@@ -55,7 +54,7 @@ def _drive_link(axis: Axis, index: int, drive: Drive) -> DriveLink:
     owner = f"axis {axis.name}"
     od = _dictionary(drive.eds, DRIVE_EDS, drive.node, owner)
     spindle = axis.type is AxisType.SPINDLE
-    mode = Mode.CYCLIC_SYNCHRONOUS_VELOCITY if spindle else Mode.CYCLIC_SYNCHRONOUS_POSITION
+    mode = DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY if spindle else DriveMode.CYCLIC_SYNCHRONOUS_POSITION
     layouts = _layouts(exchange.SPINDLE_PDOS if spindle else exchange.AXIS_PDOS, od, drive.node, owner)
     return DriveLink(
         node=drive.node,

@@ -13,9 +13,9 @@ import can
 import canopen
 
 from runtime.diagnostics.catalogue import fieldbus as catalogue
-from runtime.drives import DriveEvent, DriveImage, DriveState
+from runtime.drives import DriveEvent, DriveImage, DriveMode, DriveState
 from runtime.fieldbus import cia402
-from runtime.fieldbus.cia402 import DriveControl, Mode
+from runtime.fieldbus.cia402 import DriveControl
 from runtime.fieldbus.network import fill
 from runtime.fieldbus.pdo import (
     Direction,
@@ -80,7 +80,7 @@ class DriveLink(NodeLink):
 
     spindle: bool = False
     increments_per_unit: float = 1.0
-    mode: Mode = Mode.CYCLIC_SYNCHRONOUS_POSITION
+    mode: DriveMode = DriveMode.CYCLIC_SYNCHRONOUS_POSITION
     control: DriveControl = field(default_factory=DriveControl)
     fresh: bool = False  # feedback came since the last cycle
     invalid: bool = False  # the set-point is no finite number

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Final
 
 from runtime.config.machine import SimulatedServo
-from runtime.drives import DriveState
+from runtime.drives import DriveMode, DriveState
 from runtime.fieldbus.cia402 import (
     CONTROLWORD,
     ERROR_CODE,
@@ -17,7 +17,6 @@ from runtime.fieldbus.cia402 import (
     TARGET_POSITION,
     TARGET_VELOCITY,
     VELOCITY_ACTUAL,
-    Mode,
 )
 from runtime.fieldbus.links import wrap32
 from runtime.fieldbus.network import PolledNetwork
@@ -230,7 +229,7 @@ class SimulatedDrive(SimulatedNode):
         servo = self.servo
         if self.blocked:
             stands = servo.position
-        if self.values[MODES_OF_OPERATION, 0] == Mode.CYCLIC_SYNCHRONOUS_VELOCITY:
+        if self.values[MODES_OF_OPERATION, 0] == DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY:
             servo.follow_velocity(self.values[TARGET_VELOCITY, 0], dt)
         else:
             # the target is 32 bits of an endless axis: the nearest position that looks like it
