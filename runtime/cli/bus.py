@@ -15,6 +15,7 @@ from runtime.config.machine import Bus
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.commissioning import Commissioning, FoundNode
 from runtime.fieldbus.dictionaries import read_dictionary
+from runtime.fieldbus.lss import Identity
 
 _PAUSE = 0.0005  # s between two looks at the bus
 
@@ -24,6 +25,10 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+lss = typer.Typer(
+    help="Set node ids and bit rates of nodes that have no switches for them (LSS, CiA 305).", no_args_is_help=True
+)
+app.add_typer(lss, name="lss")
 Config = Annotated[
     Path | None, typer.Option("-c", "--config", help="Machine description whose bus is meant; default: SocketCAN.")
 ]
@@ -79,6 +84,55 @@ def eds(
         )
     print(f"{len(differences)} differences" if differences else f"node {node} is what {file.name} describes")
     raise typer.Exit(1 if differences else 0)
+
+
+def _identity_of(text: str) -> Identity:
+    try:
+        numbers = [int(part, 0) for part in text.split(":")]
+        if len(numbers) != 4 or not all(0 <= number <= 0xFFFF_FFFF for number in numbers):
+            raise ValueError
+    except ValueError:
+        raise typer.BadParameter("four numbers are expected, VENDOR:PRODUCT:REVISION:SERIAL") from None
+    return Identity(*numbers)
+
+
+@lss.command("find")
+def lss_find(config: Config = None, channel: Channel = "can0") -> None:
+    """The nodes that have no node id yet (fast scan), as the identities that `set` takes."""
+    with open_bus(_bus_of(config, channel)) as bus:
+        found = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE)).unconfigured()
+    for identity in found:
+        print(f"{_written(identity)}  ({identity})")
+    print(f"{len(found)} nodes without a node id")
+
+
+@lss.command("set")
+def lss_set(
+    identity: Annotated[
+        str | None,
+        typer.Argument(
+            help="VENDOR:PRODUCT:REVISION:SERIAL of the node; without: the only node on the bus.", show_default=False
+        ),
+    ] = None,
+    node: Annotated[int | None, typer.Option(help="Its new node id.", min=1, max=127)] = None,
+    bitrate: Annotated[int | None, typer.Option(help="Its new bit rate in bit/s, from its next start on.")] = None,
+    store: Annotated[bool, typer.Option(help="Keep it without supply.")] = True,
+    config: Config = None,
+    channel: Channel = "can0",
+) -> None:
+    """Give a node its node id and bit rate."""
+    if node is None and bitrate is None:
+        raise typer.BadParameter("nothing to set: give --node, --bitrate, or both")
+    chosen = None if identity is None else _identity_of(identity)
+    with open_bus(_bus_of(config, channel)) as bus:
+        commissioning = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE))
+        found, number = commissioning.set_node(chosen, node, bitrate, store=store)
+    rate = "" if bitrate is None else f", {bitrate} bit/s from its next start on"
+    print(f"{_written(found)}: {'no node id' if number is None else f'node {number}'}{rate}")
+
+
+def _written(identity: Identity) -> str:
+    return ":".join(f"0x{number:X}" for number in identity)
 
 
 def description(found: list[FoundNode]) -> str:

@@ -1,4 +1,4 @@
-"""A bus without a machine: who is there, and are they what their EDS files say. Everything here only reads.
+"""A bus without a machine: who is there, are they what their EDS files say, and which node ids do they have.
 
 It needs the bus for itself: a running master has SDO conversations of its own, and two clients of one server talk past each
 other. A master that is heard is a refusal.
@@ -18,12 +18,15 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.lss import Identity, LssMaster
 from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient
 from runtime.fieldbus.pdo import STRUCT_CODES, object_name
 
 LISTEN: Final = 0.5  # s for a master to be heard
 KNOCK: Final = 0.3  # s for the answers of all nodes
 ANSWER: Final = 0.3  # s for one answer
+BOOT: Final = 5.0  # s until the boot-up message
+RESET_COMMUNICATION: Final = 130
 PROFILES: Final = {401: "I/O (CiA 401)", 402: "drive (CiA 402)", 406: "encoder (CiA 406)", 0: "no profile"}
 
 
@@ -67,7 +70,7 @@ class Commissioning:
         self._idle = idle
         self._heard: set[int] = set()
 
-    def _wait(self, condition: Callable[[], bool], seconds: float) -> bool:
+    def wait(self, condition: Callable[[], bool], seconds: float) -> bool:
         end = self._now() + seconds
         while True:
             while (message := self._bus.recv(0)) is not None:
@@ -81,7 +84,7 @@ class Commissioning:
 
     def refuse_a_master(self) -> None:
         """Raises FieldbusError if somebody sends SYNC."""
-        if self._wait(lambda: SYNC in self._heard, LISTEN):
+        if self.wait(lambda: SYNC in self._heard, LISTEN):
             raise FieldbusError(catalogue.OTHER_MASTER, channel=self._bus.channel_info)
 
     def scan(self, nodes: Iterable[int] = range(1, 128)) -> list[FoundNode]:
@@ -91,13 +94,13 @@ class Commissioning:
         self._heard.clear()
         for node in wanted:
             self._network.send_message(0x600 + node, bytes((0x40, 0x00, 0x10, 0, 0, 0, 0, 0)))
-            self._wait(lambda: False, 0.0)  # a bus of 10 kbit/s has no room for all questions at once
-        self._wait(lambda: all(0x580 + node in self._heard for node in wanted), KNOCK)
+            self.wait(lambda: False, 0.0)  # a bus of 10 kbit/s has no room for all questions at once
+        self.wait(lambda: all(0x580 + node in self._heard for node in wanted), KNOCK)
         return [self._ask(node) for node in wanted if 0x580 + node in self._heard]
 
     def client(self, node: int, od: canopen.ObjectDictionary | None = None) -> PumpedSdoClient:
         """To read and write one node."""
-        client = PumpedSdoClient(node, od or canopen.ObjectDictionary(), self._wait)
+        client = PumpedSdoClient(node, od or canopen.ObjectDictionary(), self.wait)
         client.RESPONSE_TIMEOUT = ANSWER
         client.network = self._network
         self._network.subscribe(0x580 + node, client.on_response)
@@ -126,6 +129,54 @@ class Commissioning:
                 hardware=text(0x1009),
                 firmware=text(0x100A),
             )
+        finally:
+            self._network.unsubscribe(0x580 + node, client.on_response)
+
+    def set_node(
+        self, identity: Identity | None, node: int | None, bitrate: int | None, *, store: bool
+    ) -> tuple[Identity, int | None]:
+        """Node id and bit rate (bit/s) of the node with this identity, or of the only one on the bus, by LSS.
+
+        The node boots with its new id, the bit rate holds from its next start on. Identity and id of the node afterwards.
+        Raises FieldbusError, also if another node has the id already, or the node does not boot with it.
+        """
+        self.refuse_a_master()
+        lss = LssMaster(self._network, self.wait)
+        try:
+            if identity is None:
+                identity = lss.select_only()
+            else:
+                lss.select(identity)
+            before = lss.node_id()
+            if node is not None and node != before and self._answers(node):
+                raise FieldbusError(catalogue.NODE_ID_TAKEN, node=node)
+            if bitrate is not None:
+                lss.set_bitrate(bitrate)
+            if node is not None:
+                lss.set_node_id(node)
+            if store:
+                lss.store()
+        finally:
+            self._heard.clear()
+            lss.deselect()
+        if node is None:
+            return identity, before
+        if before is not None:
+            self._network.send_message(0, bytes((RESET_COMMUNICATION, before)))
+        if not self.wait(lambda: 0x700 + node in self._heard, BOOT):
+            raise FieldbusError(catalogue.NODE_MISSING, nodes=f"node {node}", seconds=BOOT)
+        return identity, node
+
+    def unconfigured(self) -> list[Identity]:
+        """The nodes that have no node id yet (LSS fast scan). Raises FieldbusError, can.CanError."""
+        self.refuse_a_master()
+        return list(LssMaster(self._network, self.wait).find_all())
+
+    def _answers(self, node: int) -> bool:
+        client = self.client(node)
+        client.MAX_RETRIES = 1
+        try:
+            return _read(client, 0x1000, 0) is not None
         finally:
             self._network.unsubscribe(0x580 + node, client.on_response)
 

@@ -242,3 +242,34 @@ BUS_BACK = ErrorEntry(
     reaction=Reaction.NONE,
     remedy="acknowledge (reset) when all nodes are back",
 )
+
+# -- commissioning ---------------------------------------------------------------------------------------------------
+LSS_NO_NODE = ErrorEntry(
+    303070,
+    "no answer to the layer setting services (LSS) from {whom}",
+    remedy="check supply, cable and bit rate; nodes with switches for node id and bit rate often have no LSS",
+    source="CiA 305",
+)
+LSS_SEVERAL = ErrorEntry(
+    303071,
+    "more than one node answers: all of them would get the same settings",
+    remedy="name the node by its identity (tandem bus scan shows it), or connect only this one",
+    source="CiA 305",
+)
+LSS_REFUSED = ErrorEntry(
+    303072,
+    "the node refuses the setting: {meaning}",
+    remedy="the manual of the device tells what it can be set to",
+    source="CiA 305",
+)
+LSS_BITRATE = ErrorEntry(
+    303073,
+    "there is no bit rate of {bitrate} bit/s in the layer setting services",
+    remedy="choose one of {known}",
+    source="CiA 305, bit timing table",
+)
+NODE_ID_TAKEN = ErrorEntry(
+    303074,
+    "node id {node} is taken by another node",
+    remedy="choose a free one; tandem bus scan shows the nodes",
+)

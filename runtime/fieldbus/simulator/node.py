@@ -14,6 +14,7 @@ from canopen.objectdictionary import ODVariable
 from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.fieldbus.dictionaries import read_dictionary
+from runtime.fieldbus.lss import UNCONFIGURED, Identity
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.pdo import (
     EVENT,
@@ -25,6 +26,7 @@ from runtime.fieldbus.pdo import (
     PdoPlan,
     lay_out,
 )
+from runtime.fieldbus.simulator.lss import LssSlave
 
 ERROR_REGISTER: Final = 0x1001
 ERROR_HISTORY: Final = 0x1003
@@ -69,7 +71,9 @@ class SimulatedNode:
     def __init__(self, node: int, eds: str, network: PolledNetwork) -> None:
         self.id = node
         self.network = network
+        self._eds = eds
         self.local = canopen.LocalNode(node, read_dictionary(eds, node))
+        self._renamed = False  # takes the node id that LSS gave it
         self.values: dict[ObjectKey, int] = {}
         self.silent = False
         self.vendor_id: int | None = None  # another than that of the EDS
@@ -82,10 +86,16 @@ class SimulatedNode:
         self._transmit: list[Pdo] = []
         self._receive: list[Pdo] = []
         self.now = 0.0
-        network[node] = self.local
+        identity = Identity(*(self._number(0x1018, sub) for sub in range(1, 5)))
+        self.lss = LssSlave(identity, node, network.send_message)
+        self._attach()
         network.subscribe(0, self._on_nmt)
+
+    def _attach(self) -> None:
+        """Be on the network under the present node id."""
         self.local.add_read_callback(self._on_read)
         self.local.add_write_callback(self._on_write)
+        self.local.associate_network(self.network)
 
     # -- for profiles ------------------------------------------------------------------------------------------------
 
@@ -109,9 +119,30 @@ class SimulatedNode:
     def power_on(self, now: float) -> None:
         """Boot: defaults, boot-up message, pre-operational."""
         self.now = now
+        self.lss.configuring, self.lss.node_id = False, self.lss.stored
+        self._rename()
         self.local.data_store.clear()
         self.reset_application()
         self._boot()
+
+    def _rename(self) -> None:
+        """Take the node id that LSS has set."""
+        self._renamed = False
+        if self.lss.node_id == self.id:
+            return
+        if self.id != UNCONFIGURED:
+            self.local.remove_network()
+        self.id = self.lss.node_id
+        if self.id != UNCONFIGURED:
+            store = self.local.data_store
+            self.local = canopen.LocalNode(self.id, read_dictionary(self._eds, self.id))
+            self.local.data_store = store
+            self._attach()
+
+    def on_lss(self, data: bytearray) -> None:
+        """A frame of the LSS master."""
+        if not self.silent and self.lss.on_frame(data) and self.id == UNCONFIGURED:
+            self._renamed = self.lss.node_id != UNCONFIGURED
 
     def _boot(self) -> None:
         self.operational = False
@@ -119,7 +150,7 @@ class SimulatedNode:
         self._master_heard, self._master_lost, self._watched = None, False, (0, 0.0)
         self._transmit, self._receive = [], []
         self.local.nmt.stop_heartbeat()
-        if not self.silent:
+        if not self.silent and self.id != UNCONFIGURED:
             self.local.nmt.state = "INITIALISING"  # sends the boot-up message
             self.local.nmt.state = "PRE-OPERATIONAL"
 
@@ -136,7 +167,9 @@ class SimulatedNode:
                 self.connection_lost()
             if command == RESET_NODE:
                 self.reset_application()
-            self._boot()
+            self._renamed = self.lss.node_id != self.id  # in `step`: the network is handing this frame out
+            if not self._renamed:
+                self._boot()
         elif command == START:
             self.operational = True
             if not was_operational:
@@ -150,6 +183,9 @@ class SimulatedNode:
     def step(self, now: float) -> None:
         """Let the time be `now` (s)."""
         self.now = now
+        if self._renamed:
+            self._rename()
+            self._boot()
         node, timeout = self._watched
         if node and self._master_heard is not None and not self._master_lost and now - self._master_heard > timeout:
             self._master_lost = True
@@ -204,6 +240,8 @@ class SimulatedNode:
     def _on_read(self, index: int, subindex: int, od: ODVariable) -> int | None:
         if index == 0x1018 and subindex == 1:
             return self.vendor_id
+        if index == 0x1018 and subindex == 4:
+            return self.lss.identity.serial  # that of the EDS goes with the node id
         if index == ERROR_HISTORY:
             return len(self._errors) if subindex == 0 else (self._errors[subindex - 1 : subindex] or [0])[0]
         return self.values.get((index, subindex))

@@ -11,6 +11,7 @@ import can
 from runtime.config.machine import Machine
 from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
 from runtime.fieldbus.dialogue import SYNC
+from runtime.fieldbus.lss import TO_SLAVES
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.simulator.drive import OVER_CURRENT, Fault, SimulatedDrive
 from runtime.fieldbus.simulator.encoder import EncoderFile
@@ -35,7 +36,10 @@ class NodeNetwork(PolledNetwork):
 
 
 class SimulatedNodes:
-    """The nodes of `machine` on `bus`. `encoders` keeps the positions across restarts."""
+    """The nodes of `machine` on `bus`, by the node id that the machine description gives them.
+
+    `encoders` keeps the positions across restarts.
+    """
 
     def __init__(
         self,
@@ -64,6 +68,7 @@ class SimulatedNodes:
             self.ios[io.node] = SimulatedIo(io.node, eds, self._network, io.inputs, io.outputs)
         self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
         self._network.subscribe(SYNC, self._on_sync)
+        self._network.subscribe(TO_SLAVES, self._on_lss)
         for node in range(1, 128):
             self._network.subscribe(0x700 + node, self._on_heartbeat)
 
@@ -97,8 +102,9 @@ class SimulatedNodes:
 
     def _hear(self, message: can.Message) -> None:
         if message.is_remote_frame:
-            if node := self.nodes.get(message.arbitration_id - 0x700):
-                node.on_guard(self._now)
+            for node in self.nodes.values():
+                if node.id == message.arbitration_id - 0x700:
+                    node.on_guard(self._now)
             return
         self._network.receive(message)
 
@@ -128,6 +134,10 @@ class SimulatedNodes:
             node.now = self._now
             node.on_sync()
 
+    def _on_lss(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        for node in self.nodes.values():
+            node.on_lss(data)
+
     def _on_heartbeat(self, can_id: int, data: bytearray, timestamp: float) -> None:
         for node in self.nodes.values():
             if not node.silent:
@@ -139,7 +149,7 @@ class SimulatedNodes:
         match fault:
             case Fault.SILENT:
                 target.silent = True
-                self._network.silent.add(node)
+                self._network.silent.add(target.id)
             case Fault.REBOOT:
                 target.power_on(self._now)
             case Fault.WRONG_VENDOR:
@@ -156,7 +166,7 @@ class SimulatedNodes:
         target = self.nodes[node]
         target.silent = False
         target.vendor_id = None
-        self._network.silent.discard(node)
+        self._network.silent.discard(target.id)
         if node in self.drives:
             self.drives[node].blocked = False
             self.drives[node].freeze_encoder(False)
