@@ -34,6 +34,7 @@ from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.exchange import IO_REFRESH
 from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
 from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, fill
+from runtime.fieldbus.questions import Questions
 from runtime.fieldbus.rejoin import Rejoin
 
 MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the next cycle
@@ -90,6 +91,7 @@ class CanopenMaster:
         self._table: dict[int, Receiver] = {}
         self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
         self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
+        self._questions: dict[int, Questions] = {}  # by node id: to nodes in operation
         self._sync = can.Message(arbitration_id=SYNC, is_extended_id=False, dlc=1 if self._config.sync_counter else 0)
         self._heartbeat = can.Message(
             arbitration_id=0x700 + self._config.master_node, data=[OPERATIONAL], is_extended_id=False
@@ -105,6 +107,7 @@ class CanopenMaster:
         self._error_frames = 0
         self._sending_works = False
         self._rejoins = {}
+        self._questions = {}
         self._watching = False
         self._failed = False  # an error of the bus in this cycle
         self._failures = 0
@@ -172,6 +175,8 @@ class CanopenMaster:
     def _on_sdo(self, link: DriveLink | IoLink, data: bytearray) -> None:
         if rejoin := self._rejoins.get(link.node):
             rejoin.on_answer(data)
+        elif questions := self._questions.get(link.node):
+            questions.on_answer(data)
         elif not self._running:
             self._clients[link.node].take(data)
 
@@ -493,6 +498,17 @@ class CanopenMaster:
             self._sending_works = False
         else:
             self._sending_works = True
+
+    def questions(self, link: DriveLink | IoLink) -> Questions:
+        """For SDO accesses to a node in operation, between the set-points. What sending raises comes through."""
+        return self._questions.setdefault(link.node, Questions(link, self._send_data))
+
+    def drive(self, axis: int) -> DriveLink:
+        """The drive of an axis; raises KeyError for an axis without one."""
+        for link in self._drives:
+            if link.axis == axis:
+                return link
+        raise KeyError(axis)
 
     def tell_again(self) -> None:
         """After a reset: what is still lost, because the machine must not go on without it."""
