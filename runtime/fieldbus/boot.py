@@ -6,7 +6,6 @@ names it; a node that is optional may be missing, and comes in later (runtime.fi
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from typing import Final
 
@@ -104,7 +103,7 @@ class BootSequence:
                         client.download(access.index, access.subindex, encoded(link, access))
                 except SdoAbortedError as error:
                     raise aborted(link, access, error.code) from error
-                except (SdoCommunicationError, struct.error, ValueError) as error:
+                except SdoCommunicationError as error:
                     raise silent(link, access, str(error)) from error
                 access = dialogue.send(answer)
         except StopIteration:

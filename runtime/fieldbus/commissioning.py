@@ -20,6 +20,7 @@ from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.lss import Identity, LssMaster
 from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient
+from runtime.fieldbus.objects import variables
 from runtime.fieldbus.pdo import STRUCT_CODES, object_name
 
 LISTEN: Final = 0.5  # s for a master to be heard
@@ -188,7 +189,7 @@ class Commissioning:
             raise FieldbusError(
                 catalogue.NODE_MISSING, nodes=f"node {node}", seconds=ANSWER * PumpedSdoClient.MAX_RETRIES
             )
-        for variable in _variables(od):
+        for variable in variables(od):
             if not variable.readable or variable.data_type not in STRUCT_CODES:
                 continue
             name = object_name(variable.index, variable.subindex)
@@ -206,15 +207,6 @@ def _constant(variable: ODVariable) -> bool:
     if variable.default is None or (variable.index == 0x1018 and variable.subindex == 4):
         return False
     return variable.access_type == "const" or variable.index in (0x1000, 0x1018)
-
-
-def _variables(od: canopen.ObjectDictionary) -> Iterator[ODVariable]:
-    for entry in od.values():
-        if isinstance(entry, ODVariable):
-            yield entry
-        else:
-            for subindex in entry:
-                yield entry[subindex]
 
 
 def _read(client: PumpedSdoClient, index: int, subindex: int) -> bytes | None:

@@ -7,10 +7,12 @@ meanwhile (a node that comes back, runtime.fieldbus.rejoin). Refusals are raised
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from canopen.objectdictionary import ObjectDictionaryError
 from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.config.machine import Machine
@@ -212,26 +214,37 @@ def encoded(link: DriveLink | IoLink, access: Access) -> bytes:
         data: bytes = find_variable(link.od, access.index, access.subindex).encode_raw(access.value)
     except KeyError:
         raise refused(catalogue.EDS_OBJECT_MISSING, link, object=access.name, purpose="the configuration") from None
+    except (struct.error, ValueError, OverflowError, ObjectDictionaryError) as error:
+        raise refused(
+            catalogue.STARTUP_OBJECT, link, object=access.name, value=access.value, reason=str(error)
+        ) from error
     return data
 
 
 def decoded(link: DriveLink | IoLink, access: Access, data: bytes) -> int:
-    """The number that was read. Raises FieldbusError, and struct.error or ValueError for an answer of another length."""
+    """The number that was read. Raises FieldbusError, also for an answer of another length than the EDS says."""
     try:
         return int(find_variable(link.od, access.index, access.subindex).decode_raw(data))
     except KeyError:
         purpose = "the check of the device"
         raise refused(catalogue.EDS_OBJECT_MISSING, link, object=access.name, purpose=purpose) from None
+    except (struct.error, ValueError, ObjectDictionaryError) as error:
+        raise silent(link, access, f"its {len(data)} bytes are no value of the type in the EDS") from error
 
 
 def refused(entry: ErrorEntry, link: DriveLink | IoLink, **values: object) -> FieldbusError:
     return FieldbusError(entry, Place(), node=link.node, owner=link.owner, **values)
 
 
+def abort_text(code: int) -> str:
+    """Plain text of an abort code of CiA 301."""
+    text: str = SdoAbortedError.CODES.get(code, "unknown reason")
+    return text[:1].lower() + text[1:]
+
+
 def aborted(link: DriveLink | IoLink, access: Access, code: int) -> FieldbusError:
     """The node refuses an access, with an abort code of CiA 301."""
-    text = SdoAbortedError.CODES.get(code, "unknown reason")
-    meaning = text[:1].lower() + text[1:]
+    meaning = abort_text(code)
     return refused(catalogue.SDO_ABORTED, link, access=access.verb, object=access.name, meaning=meaning, code=code)
 
 

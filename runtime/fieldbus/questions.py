@@ -88,7 +88,4 @@ class Questions:
         if answer[0] & _SPECIFIER != UPLOADED & _SPECIFIER:
             raise silent(self._link, access, f"an answer that is no number (0x{answer[0]:02X})")
         unused = answer[0] >> 2 & 3 if answer[0] & 1 else 0
-        try:
-            return decoded(self._link, access, answer[4 : 8 - unused])
-        except (struct.error, ValueError) as error:
-            raise silent(self._link, access, str(error)) from error
+        return decoded(self._link, access, answer[4 : 8 - unused])

@@ -12,6 +12,7 @@ from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DriveState
+from runtime.fieldbus.cia402 import POSITION_ACTUAL
 from runtime.fieldbus.master import time_of_day
 from runtime.fieldbus.simulator import Fault
 from tests.fieldbus.rig import Rig, demo_description
@@ -123,6 +124,22 @@ def test_a_refused_object_is_told_in_words(rig: Rig) -> None:
     rig.cycle(1000)
     (refusal,) = [problem for problem in rig.problems() if problem.entry is catalogue.REJOIN_REFUSED]
     assert "refuses to write object 0x6085: value of parameter written too high (0x06090031)" in refusal.text
+
+
+def test_an_answer_of_another_length_is_a_refusal_and_no_fault_of_the_cycle(rig: Rig) -> None:
+    drive = rig.simulated.drives[2]
+    get_data = drive.local.get_data
+
+    def shorter(index: int, subindex: int, check_readable: bool = False) -> bytes:
+        data: bytes = get_data(index, subindex, check_readable)
+        return data[:2] if index == POSITION_ACTUAL else data
+
+    drive.local.get_data = shorter  # type: ignore[method-assign]
+    rig.simulated.inject(2, Fault.REBOOT)
+    assert rig.run_until(lambda: catalogue.REJOIN_REFUSED.id in rig.event_ids(), 5.0)
+    told = next(problem.text for problem in rig.problems() if problem.entry is catalogue.REJOIN_REFUSED)
+    assert "0x6064: its 2 bytes are no value" in told
+    assert rig.image.state[X] == ENABLED
 
 
 def test_a_node_that_falls_silent_again_on_its_way_back(rig: Rig) -> None:

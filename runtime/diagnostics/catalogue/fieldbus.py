@@ -273,3 +273,33 @@ NODE_ID_TAKEN = ErrorEntry(
     "node id {node} is taken by another node",
     remedy="choose a free one; tandem bus scan shows the nodes",
 )
+OBJECT_UNKNOWN = ErrorEntry(
+    303080,
+    "no object is meant by {object}: {reason}",
+    remedy='write the object as 0x6064 or 0x60C2:1, or its name in the EDS file; "tandem drive objects" lists them',
+)
+OBJECT_VALUE = ErrorEntry(
+    303081,
+    "{value} cannot be written to object {object}: {reason}",
+    remedy="the EDS file and the manual of the device tell what the object takes",
+)
+NO_SUCH_DRIVE = ErrorEntry(
+    303082,
+    "{axis} is no axis with a drive of {machine}",
+    remedy="the axes with drives are {known}",
+)
+DRIVE_NOT_ENABLED = ErrorEntry(
+    303083,
+    "the drive of axis {axis} does not get enabled within {seconds:g} s, it stays in {state}",
+    remedy="check safe torque off, the power supply and the limit switches of the drive, and its error code (tandem drive state)",
+)
+DRIVE_AWAY = ErrorEntry(
+    303084,
+    "axis {axis} is {error:.3f} away from its set-point, more than its following error of {limit:g}: it was stopped",
+    remedy="check that the axis can move, the sign and the increments_per_unit of its drive, and its gains",
+)
+JOG_LIMIT = ErrorEntry(
+    303085,
+    "{what} of {value:g} is outside of 0 to {limit:g}, what axis {axis} may do in {unit}",
+    remedy="the axis' velocity and travel in the machine description are the limits",
+)
