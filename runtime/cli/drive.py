@@ -17,6 +17,7 @@ from rich.table import Table
 from runtime.cli.keys import Keys, StatusLine
 from runtime.config.loader import load_machine
 from runtime.config.machine import Axis, AxisType, Machine
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.cia402 import drive_state
@@ -294,7 +295,7 @@ def tune(
         ends = (start, min(high, start + by)) if by > 0 else (max(low, start + by), start)
         if described.type is AxisType.SPINDLE or ends[0] == ends[1]:
             raise FieldbusError(
-                catalogue.JOG_LIMIT, what="a way", value=by, limit=high - start, axis=axis, unit=_unit(described)
+                errors.JOG_LIMIT, what="a way", value=by, limit=high - start, axis=axis, unit=_unit(described)
             )
         print(f"{axis} from {ends[0]:g} to {ends[1]:g} {_unit(described)}; hold a key, q ends", flush=True)
         law = JogLaw(start, speed, described.acceleration, *ends)

@@ -15,6 +15,7 @@ import canopen
 from canopen.objectdictionary import ODVariable
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.errors import FieldbusError
@@ -150,7 +151,7 @@ class Commissioning:
                 lss.select(identity)
             before = lss.node_id()
             if node is not None and node != before and self._answers(node):
-                raise FieldbusError(catalogue.NODE_ID_TAKEN, node=node)
+                raise FieldbusError(errors.NODE_ID_TAKEN, node=node)
             if bitrate is not None:
                 lss.set_bitrate(bitrate)
             if node is not None:

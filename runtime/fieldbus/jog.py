@@ -18,7 +18,7 @@ import can
 import numpy as np
 
 from runtime.config.machine import Axis, AxisType, Machine
-from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.errors import Place, Severity
 from runtime.drives import DriveState
 from runtime.fieldbus.dialogue import Access, has
@@ -167,7 +167,7 @@ def drive_of(machine: Machine, name: str) -> Axis:
         if axis.name == name:
             return axis
     names = ", ".join(axis.name for axis in known) or "none"
-    raise FieldbusError(catalogue.NO_SUCH_DRIVE, axis=name, machine=machine.name, known=names)
+    raise FieldbusError(errors.NO_SUCH_DRIVE, axis=name, machine=machine.name, known=names)
 
 
 def jog_velocity(axis: Axis, wanted: float | None) -> float:
@@ -177,7 +177,7 @@ def jog_velocity(axis: Axis, wanted: float | None) -> float:
     if not 0.0 < wanted <= axis.velocity:
         unit = "mm/s" if axis.type is AxisType.LINEAR else "degrees/s"
         raise FieldbusError(
-            catalogue.JOG_LIMIT, what="a velocity", value=wanted, limit=axis.velocity, axis=axis.name, unit=unit
+            errors.JOG_LIMIT, what="a velocity", value=wanted, limit=axis.velocity, axis=axis.name, unit=unit
         )
     return wanted
 
@@ -256,7 +256,7 @@ class DriveSession:
             if self._now() > end:
                 self.image.enable[:] = False
                 state = DriveState(int(self.image.state[0])).name.lower().replace("_", " ")
-                raise FieldbusError(catalogue.DRIVE_NOT_ENABLED, axis=self.axis.name, seconds=ENABLE_LIMIT, state=state)
+                raise FieldbusError(errors.DRIVE_NOT_ENABLED, axis=self.axis.name, seconds=ENABLE_LIMIT, state=state)
             self._cycle()
 
     def _set(self, law: JogLaw, position: float) -> None:
@@ -275,7 +275,7 @@ class DriveSession:
             image.quick_stop[:] = True
             self.master.write()
             raise FieldbusError(
-                catalogue.DRIVE_AWAY, axis=self.axis.name, error=abs(error), limit=self.axis.following_error
+                errors.DRIVE_AWAY, axis=self.axis.name, error=abs(error), limit=self.axis.following_error
             )
         actual = float(image.actual_position[0])
         self._targets = (float(image.target_position[0]), self._targets[0]) if enabled else (actual, actual)

@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from canopen import lss as wire
 
-from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.network import PolledNetwork, Wait
 
@@ -56,7 +56,7 @@ class Identity(NamedTuple):
 
 
 class LssMaster:
-    """The master's side. Every method raises FieldbusError (303070 to 303073) and can.CanError.
+    """The master's side. Every method raises FieldbusError (303100 to 303103) and can.CanError.
 
     `wait(condition, seconds)` lets bus and time run.
     """
@@ -84,7 +84,7 @@ class LssMaster:
             self._answers.clear()
             self._send(wire.CS_SWITCH_STATE_SELECTIVE_VENDOR_ID + offset, struct.pack("<I", number))
         if self._answer(wire.CS_SWITCH_STATE_SELECTIVE_RESPONSE, ANSWER) is None:
-            raise FieldbusError(catalogue.LSS_NO_NODE, whom=f"a node of {identity}")
+            raise FieldbusError(errors.LSS_NO_NODE, whom=f"a node of {identity}")
 
     def select_only(self) -> Identity:
         """Put the only node of the bus into the configuration state; its identity.
@@ -99,8 +99,8 @@ class LssMaster:
             count = len(self._answers)
             self.deselect()
             if count:
-                raise FieldbusError(catalogue.LSS_SEVERAL)
-            raise FieldbusError(catalogue.LSS_NO_NODE, whom="any node")
+                raise FieldbusError(errors.LSS_SEVERAL)
+            raise FieldbusError(errors.LSS_NO_NODE, whom="any node")
         return self.identity()
 
     def find(self) -> Identity | None:
@@ -116,7 +116,7 @@ class LssMaster:
                 if not self._scan(found[part], bit, part, part):
                     found[part] |= 1 << bit
             if not self._scan(found[part], 0, part, (part + 1) % 4):
-                raise FieldbusError(catalogue.LSS_NO_NODE, whom="the node that answered first")
+                raise FieldbusError(errors.LSS_NO_NODE, whom="the node that answered first")
         return Identity(*found)
 
     def find_all(self, limit: int = 127) -> Iterator[Identity]:
@@ -157,7 +157,7 @@ class LssMaster:
         """Bit/s; in effect after its next start, or by `activate`."""
         if bitrate not in BITRATES:
             known = ", ".join(str(rate) for rate in BITRATES)
-            raise FieldbusError(catalogue.LSS_BITRATE, bitrate=bitrate, known=known)
+            raise FieldbusError(errors.LSS_BITRATE, bitrate=bitrate, known=known)
         self._configure(wire.CS_CONFIGURE_BIT_TIMING, bytes((0, BITRATES[bitrate])))
 
     def store(self) -> None:
@@ -172,14 +172,14 @@ class LssMaster:
         answer = self._ask(service, data, seconds)
         if code := answer[1]:
             meaning = _REFUSALS.get((service, code), f"error {code}, {answer[2]} of the device")
-            raise FieldbusError(catalogue.LSS_REFUSED, meaning=meaning)
+            raise FieldbusError(errors.LSS_REFUSED, meaning=meaning)
 
     def _ask(self, service: int, data: bytes = b"", seconds: float = ANSWER) -> bytes:
         self._answers.clear()
         self._send(service, data)
         answer = self._answer(service, seconds)
         if answer is None:
-            raise FieldbusError(catalogue.LSS_NO_NODE, whom="the node that was selected")
+            raise FieldbusError(errors.LSS_NO_NODE, whom="the node that was selected")
         return answer
 
     def _answer(self, service: int, seconds: float) -> bytes | None:

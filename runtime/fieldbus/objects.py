@@ -9,6 +9,7 @@ import canopen
 from canopen.objectdictionary import ObjectDictionaryError, ODVariable, datatypes
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus.dialogue import abort_text
 from runtime.fieldbus.errors import FieldbusError
@@ -40,7 +41,7 @@ def title(variable: ODVariable) -> str:
 def find_object(od: canopen.ObjectDictionary, text: str) -> ODVariable:
     """The object `0x6064`, `0x60C2:1`, or one whose name is, or alone begins with, this text in any case.
 
-    Raises FieldbusError (303080) that tells what it could mean.
+    Raises FieldbusError (303110) that tells what it could mean.
     """
     index_text, _, subindex_text = text.partition(":")
     try:
@@ -50,7 +51,7 @@ def find_object(od: canopen.ObjectDictionary, text: str) -> ODVariable:
     try:
         return find_variable(od, index, subindex)
     except KeyError:
-        raise FieldbusError(catalogue.OBJECT_UNKNOWN, object=text, reason="its EDS has no such object") from None
+        raise FieldbusError(errors.OBJECT_UNKNOWN, object=text, reason="its EDS has no such object") from None
 
 
 def _by_name(od: canopen.ObjectDictionary, text: str) -> ODVariable:
@@ -71,7 +72,7 @@ def _by_name(od: canopen.ObjectDictionary, text: str) -> ODVariable:
     if found:
         named = [f"{object_name(v.index, v.subindex)} {title(v)}" for v in found[:_NAMED_MAX]]
         reason = f"this could be {', '.join(named)}" + (" and others" if len(found) > _NAMED_MAX else "")
-    raise FieldbusError(catalogue.OBJECT_UNKNOWN, object=text, reason=reason)
+    raise FieldbusError(errors.OBJECT_UNKNOWN, object=text, reason=reason)
 
 
 def read_object(client: PumpedSdoClient, node: int, variable: ODVariable) -> Value:
@@ -104,7 +105,7 @@ def parse(variable: ODVariable, text: str) -> bytes:
 
     def refuse(reason: str) -> FieldbusError:
         return FieldbusError(
-            catalogue.OBJECT_VALUE, object=object_name(variable.index, variable.subindex), value=text, reason=reason
+            errors.OBJECT_VALUE, object=object_name(variable.index, variable.subindex), value=text, reason=reason
         )
 
     if not variable.writable:

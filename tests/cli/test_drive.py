@@ -85,9 +85,9 @@ def test_state_and_objects(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None
     assert "= 5000 " not in told(capsys, "write", "X", "0x6085", "5000")[2]
     assert "= 5000 (0x1388)" in told(capsys, "read", "X", "0x6085")[1]
     code, _, err = told(capsys, "write", "X", "0x6064", "1")
-    assert (code, "303081" in err) == (1, True)
+    assert (code, "303111" in err) == (1, True)
     code, _, err = told(capsys, "read", "W", "0x6064")
-    assert (code, "303082" in err, "X, Y, Z, S" in err) == (1, True, True)
+    assert (code, "303112" in err, "X, Y, Z, S" in err) == (1, True, True)
 
 
 def test_a_running_machine_is_left_alone(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
@@ -156,7 +156,7 @@ def test_tune_draws(
 @pytest.mark.parametrize("arguments", [("jog", "X", "--velocity", "9999"), ("tune", "S", "--by", "10")])
 def test_too_much_is_refused(rig: Rig, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]) -> None:
     code, _, err = told(capsys, *arguments)
-    assert (code, "303085" in err) == (1, True)
+    assert (code, "303115" in err) == (1, True)
 
 
 def test_keys_of_a_pipe() -> None:

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DriveState
 from runtime.fieldbus.cia402 import TARGET_POSITION
@@ -159,8 +160,8 @@ def test_a_spindle_turns() -> None:
     [
         (Fault.DRIVE, catalogue.DRIVE_FAULT),
         (Fault.REBOOT, catalogue.NODE_RESTARTED),
-        (Fault.SILENT, catalogue.DRIVE_AWAY),  # before its heartbeat is missed
-        (Fault.ENCODER_FREEZE, catalogue.DRIVE_AWAY),
+        (Fault.SILENT, errors.DRIVE_AWAY),  # before its heartbeat is missed
+        (Fault.ENCODER_FREEZE, errors.DRIVE_AWAY),
     ],
 )
 def test_what_befalls_the_drive_ends_the_motion(fault: Fault, entry: Any) -> None:
@@ -226,10 +227,10 @@ def test_limits_are_those_of_the_axis() -> None:
         assert jog_velocity(x, None) == x.velocity / 10.0
         with pytest.raises(FieldbusError) as refusal:
             jog_velocity(x, x.velocity * 1.01)
-        assert refusal.value.problem.entry is catalogue.JOG_LIMIT
+        assert refusal.value.problem.entry is errors.JOG_LIMIT
         with pytest.raises(FieldbusError) as refusal:
             drive_of(rig.machine, "W")
-        assert refusal.value.problem.entry is catalogue.NO_SUCH_DRIVE
+        assert refusal.value.problem.entry is errors.NO_SUCH_DRIVE
         assert "X, Y, Z, S" in refusal.value.problem.hint
 
 
@@ -238,5 +239,5 @@ def test_a_drive_that_does_not_get_enabled() -> None:
         rig.simulated.drives[1].set_points_taken = lambda: None  # type: ignore[method-assign]
         with pytest.raises(FieldbusError) as refusal:
             running.move(law_of(running), Script(rig, (0.0, 1)), lambda _: None)
-        assert refusal.value.problem.entry is catalogue.DRIVE_NOT_ENABLED
+        assert refusal.value.problem.entry is errors.DRIVE_NOT_ENABLED
         assert "switch on disabled" in refusal.value.problem.text

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from runtime.cli import bus as command
 from runtime.cli.main import main
+from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.fieldbus.commissioning import Commissioning
@@ -76,13 +77,13 @@ def test_nodes_without_an_id_are_found_one_by_one() -> None:
 def test_what_cannot_be_set_is_refused() -> None:
     with Rig() as rig:
         looking = look(rig)
-        with refusal(catalogue.NODE_ID_TAKEN):
+        with refusal(errors.NODE_ID_TAKEN):
             looking.set_node(X, 2, None, store=True)
-        with refusal(catalogue.LSS_BITRATE):
+        with refusal(errors.LSS_BITRATE):
             looking.set_node(X, None, 123_456, store=True)
-        with refusal(catalogue.LSS_SEVERAL):
+        with refusal(errors.LSS_SEVERAL):
             looking.set_node(None, 40, None, store=True)
-        with refusal(catalogue.LSS_NO_NODE):
+        with refusal(errors.LSS_NO_NODE):
             looking.set_node(X._replace(serial=77), 40, None, store=True)
         assert [node.id for node in rig.simulated.nodes.values()] == [1, 2, 3, 6, 10]
         assert not any(node.lss.configuring for node in rig.simulated.nodes.values())
@@ -90,7 +91,7 @@ def test_what_cannot_be_set_is_refused() -> None:
             rig.simulated.inject(node, Fault.SILENT)
         assert looking.set_node(None, 40, None, store=True) == (X, 40)
         rig.simulated.inject(1, Fault.SILENT)
-        with refusal(catalogue.LSS_NO_NODE):
+        with refusal(errors.LSS_NO_NODE):
             looking.set_node(None, 41, None, store=True)
 
 
@@ -188,4 +189,4 @@ def test_from_the_command_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.C
         assert main(["bus", "lss", "set", written]) == 2
         assert main(["bus", "lss", "set", "1:2", "--node", "4"]) == 2
         assert main(["bus", "lss", "set", written, "--node", "2"]) == 1
-        assert "303074" in capsys.readouterr().err
+        assert "303104" in capsys.readouterr().err

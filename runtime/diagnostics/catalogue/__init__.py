@@ -11,6 +11,7 @@ from types import ModuleType
 
 from runtime.diagnostics.catalogue import (
     axis_jobs,
+    commissioning,
     configuration,
     fieldbus,
     language,
@@ -29,6 +30,7 @@ _AREAS: tuple[ModuleType, ...] = (
     motion,
     configuration,
     fieldbus,
+    commissioning,
     plc,
     system,
     machine,
