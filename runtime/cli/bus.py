@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 import time
 from pathlib import Path
 from typing import Annotated
@@ -13,9 +15,10 @@ from rich.table import Table
 from runtime.config.loader import load_machine
 from runtime.config.machine import Bus
 from runtime.fieldbus.bus import open_bus
-from runtime.fieldbus.commissioning import Commissioning, FoundNode
+from runtime.fieldbus.commissioning import Commissioning
 from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.lss import Identity
+from runtime.fieldbus.survey import describe, eds_files, survey
 
 _PAUSE = 0.0005  # s between two looks at the bus
 
@@ -43,16 +46,32 @@ def _bus_of(config: Path | None, channel: str) -> Bus:
 def scan(
     config: Config = None,
     channel: Channel = "can0",
-    describe: Annotated[
-        bool, typer.Option("--describe", help="Print the nodes as the beginning of a machine description (YAML).")
-    ] = False,
+    machine: Annotated[
+        Path | None,
+        typer.Option("--machine", help="Write the beginning of a machine description (YAML) to a new file."),
+    ] = None,
+    eds_folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--eds", help="Folder in which the EDS files of the nodes are looked for.", file_okay=False, exists=True
+        ),
+    ] = None,
+    pitch: Annotated[
+        list[str] | None,
+        typer.Option(help="NODE=MM: what an axis moves in a turn of its shaft, in mm or degrees.", show_default=False),
+    ] = None,
 ) -> None:
     """Every node: identity, device type, name, firmware. Only reads."""
-    with open_bus(_bus_of(config, channel)) as bus:
-        found = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE)).scan()
-    if describe:
-        print(description(found), end="")
-        return
+    pitches = dict(_pitch(text) for text in pitch or ())
+    if machine is not None and machine.exists():
+        raise typer.BadParameter(f"{machine} is there already, and a description is nothing to write over")
+    described = _bus_of(config, channel)
+    with open_bus(described) as bus:
+        looking = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE))
+        found = looking.scan()
+        if machine is not None:
+            surveys = survey(looking, found, eds_files(eds_folder) if eds_folder else ())
+            machine.write_text(describe(surveys, described, pitches, machine.parent), encoding="utf-8")
     table = Table("node", "profile", "vendor", "product", "revision", "serial", "name", "hardware", "firmware")
     for node in found:
         numbers = (node.vendor, node.product, node.revision, node.serial)
@@ -64,7 +83,7 @@ def scan(
             node.hardware,
             node.firmware,
         )
-    Console().print(table)
+    Console(width=None if sys.stdout.isatty() else 140).print(table)
 
 
 @app.command()
@@ -84,6 +103,17 @@ def eds(
         )
     print(f"{len(differences)} differences" if differences else f"node {node} is what {file.name} describes")
     raise typer.Exit(1 if differences else 0)
+
+
+def _pitch(text: str) -> tuple[int, float]:
+    node, equals, way = text.partition("=")
+    try:
+        number, length = int(node), float(way)
+        if not (equals and 1 <= number <= 127 and 0.0 < length < math.inf):
+            raise ValueError
+    except ValueError:
+        raise typer.BadParameter(f"{text}: a node id and a length are expected, as in 1=10") from None
+    return number, length
 
 
 def _identity_of(text: str) -> Identity:
@@ -133,29 +163,3 @@ def lss_set(
 
 def _written(identity: Identity) -> str:
     return ":".join(f"0x{number:X}" for number in identity)
-
-
-def description(found: list[FoundNode]) -> str:
-    """Drives and I/O nodes as they stand in a machine description; what the bus cannot know is left to fill in."""
-    lines = ["# from a scan of the bus: fill in what stands in angle brackets", "axes:"]
-    drives = [node for node in found if node.device_type & 0xFFFF == 402]
-    for number, node in enumerate(drives):
-        name = "XYZABCUVW"[number] if number < 9 else f"Q{number}"
-        lines += [
-            f"  - name: {name} # {node.name} {node.firmware}".rstrip(),
-            f"    log_axis: {number + 1}",
-            "    velocity: <m/min>",
-            "    acceleration: <m/s^2>",
-            "    jerk: <m/s^3>",
-            f"    drive: {{node: {node.node}, increments_per_unit: <increments per mm>{_identity(node, product=True)}}}",
-        ]
-    lines += ["fieldbus:", "  io:"]
-    for node in found:
-        if node.device_type & 0xFFFF == 401:
-            lines.append(f"    - {{node: {node.node}, inputs: [<names>], outputs: [<names>]{_identity(node)}}}")
-    return "\n".join(lines) + "\n"
-
-
-def _identity(node: FoundNode, *, product: bool = False) -> str:
-    text = "" if node.vendor is None else f", vendor_id: 0x{node.vendor:X}"
-    return text + (f", product_code: 0x{node.product:X}" if product and node.product is not None else "")

@@ -10,6 +10,7 @@ column of each key and value. Nothing but plain values is built from the file: t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from runtime.diagnostics.errors import ErrorEntry, Place, Problem, TandemError
 DEMO_MACHINE = Path(__file__).parents[1] / "demo" / "machine.yaml"
 LARGEST_FILE = 1_000_000  # bytes; a description has some thousands, /dev/zero has no end
 
+_TO_FILL_IN = re.compile(r"<.+>")
 _PLAINER = {  # what PyYAML says -> what we say
     "found character '\\t' that cannot start any token": "a tab stands where only spaces are allowed",
     "mapping values are not allowed here": "a second colon in the line, or the line is indented too far",
@@ -128,7 +130,7 @@ _Mistake = tuple[ErrorEntry, yaml.Node, dict[str, object]]
 
 
 def _yaml_mistakes(root: yaml.Node, loader: CoreLoader) -> Iterator[_Mistake]:
-    """What YAML allows and a description doesn't: keys twice, tags, aliases to what they stand in."""
+    """What YAML allows and a description doesn't: keys twice, tags, aliases to what they stand in, `<what to fill in>`."""
     finished: set[int] = set()  # nodes met again through an alias are walked once
 
     def walk(node: yaml.Node, above: tuple[int, ...]) -> Iterator[_Mistake]:
@@ -142,7 +144,9 @@ def _yaml_mistakes(root: yaml.Node, loader: CoreLoader) -> Iterator[_Mistake]:
             yield errors.YAML_TAG, node, {"tag": node.tag.replace("tag:yaml.org,2002:", "!!")}
             return
         above = (*above, id(node))
-        if isinstance(node, yaml.SequenceNode):
+        if isinstance(node, yaml.ScalarNode) and not node.style and _TO_FILL_IN.fullmatch(node.value):
+            yield errors.TO_FILL_IN, node, {"what": node.value[1:-1]}
+        elif isinstance(node, yaml.SequenceNode):
             for item in node.value:
                 yield from walk(item, above)
         elif isinstance(node, yaml.MappingNode):

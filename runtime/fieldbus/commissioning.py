@@ -6,6 +6,7 @@ other. A master that is heard is a refusal.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -108,31 +109,39 @@ class Commissioning:
         self._network.subscribe(0x580 + node, client.on_response)
         return client
 
-    def _ask(self, node: int) -> FoundNode:
+    @contextlib.contextmanager
+    def asking(self, node: int) -> Iterator[PumpedSdoClient]:
+        """A client for a while, for objects that need no EDS."""
         client = self.client(node)
+        try:
+            yield client
+        finally:
+            self._network.unsubscribe(0x580 + node, client.on_response)
 
+    def _ask(self, node: int) -> FoundNode:
+        with self.asking(node) as client:
+            return self._found(client, node)
+
+    @staticmethod
+    def _found(client: PumpedSdoClient, node: int) -> FoundNode:
         def number(index: int, subindex: int = 0) -> int | None:
-            data = _read(client, index, subindex)
-            return None if data is None else int.from_bytes(data[:4], "little")
+            return read_number(client, index, subindex)
 
         def text(index: int) -> str:
             data = _read(client, index, 0) or b""
             return data.decode("latin-1").rstrip("\0 ")
 
-        try:
-            return FoundNode(
-                node=node,
-                device_type=number(0x1000) or 0,
-                vendor=number(0x1018, 1),
-                product=number(0x1018, 2),
-                revision=number(0x1018, 3),
-                serial=number(0x1018, 4),
-                name=text(0x1008),
-                hardware=text(0x1009),
-                firmware=text(0x100A),
-            )
-        finally:
-            self._network.unsubscribe(0x580 + node, client.on_response)
+        return FoundNode(
+            node=node,
+            device_type=number(0x1000) or 0,
+            vendor=number(0x1018, 1),
+            product=number(0x1018, 2),
+            revision=number(0x1018, 3),
+            serial=number(0x1018, 4),
+            name=text(0x1008),
+            hardware=text(0x1009),
+            firmware=text(0x100A),
+        )
 
     def set_node(
         self, identity: Identity | None, node: int | None, bitrate: int | None, *, store: bool
@@ -175,12 +184,9 @@ class Commissioning:
         return list(LssMaster(self._network, self.wait).find_all())
 
     def _answers(self, node: int) -> bool:
-        client = self.client(node)
-        client.MAX_RETRIES = 1
-        try:
+        with self.asking(node) as client:
+            client.MAX_RETRIES = 1
             return _read(client, 0x1000, 0) is not None
-        finally:
-            self._network.unsubscribe(0x580 + node, client.on_response)
 
     def compare(self, node: int, od: canopen.ObjectDictionary) -> Iterator[Difference]:
         """Where the node differs from its EDS: identity, objects that it does not have, constants. Raises FieldbusError."""
@@ -208,6 +214,12 @@ def _constant(variable: ODVariable) -> bool:
     if variable.default is None or (variable.index == 0x1018 and variable.subindex == 4):
         return False
     return variable.access_type == "const" or variable.index in (0x1000, 0x1018)
+
+
+def read_number(client: PumpedSdoClient, index: int, subindex: int = 0) -> int | None:
+    """An unsigned number of at most 32 bits; None if the node does not have it, does not tell it, or does not answer."""
+    data = _read(client, index, subindex)
+    return None if data is None else int.from_bytes(data[:4], "little")
 
 
 def _read(client: PumpedSdoClient, index: int, subindex: int) -> bytes | None:

@@ -7,7 +7,6 @@ from pathlib import Path
 import can
 import pytest
 
-from runtime.cli.bus import description
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus.commissioning import Commissioning
 from runtime.fieldbus.described import DRIVE_EDS, eds_path
@@ -72,11 +71,3 @@ def test_a_node_that_is_not_there() -> None:
     with Rig() as rig, pytest.raises(FieldbusError) as refusal:
         list(look(rig).compare(77, read_dictionary(eds_path(None, DRIVE_EDS), 77)))
     assert "node 77" in refusal.value.problem.text
-
-
-def test_a_scan_is_the_beginning_of_a_description() -> None:
-    with Rig() as rig:
-        text = description(look(rig).scan())
-    assert "- name: X" in text
-    assert "drive: {node: 6, increments_per_unit: <increments per mm>, vendor_id: 0x7A4D, product_code: 0x402}" in text
-    assert "- {node: 10, inputs: [<names>], outputs: [<names>], vendor_id: 0x7A4D}" in text

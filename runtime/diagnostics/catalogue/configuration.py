@@ -218,6 +218,12 @@ EXTERNAL_TOO_LARGE = ErrorEntry(
     "The external variables need {size} bytes with {name!r}; there are {area}",
     remedy="Make arrays or texts shorter.",
 )
+TO_FILL_IN = ErrorEntry(
+    302045,
+    "This is still to be filled in: {what}",
+    remedy="Put the value of your machine in the place of the angle brackets; config/machine.yaml of the distribution shows "
+    "every key with its unit.",
+)
 ERROR_TEXTS = ErrorEntry(
     302090,
     "The error texts in {file} cannot be used: {reason}",
