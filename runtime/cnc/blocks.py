@@ -758,6 +758,48 @@ class PathRestart:
     source: Source
 
 
+@dataclass(frozen=True, slots=True)
+class SearchMark:
+    """Block search: the place that is looked for. Taken by the stage of the search; it does not reach the queue."""
+
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class SearchArea:
+    """#BLOCKSEARCH: from here on no program may be entered, or it may again. It does not reach the queue."""
+
+    source: Source
+    locked: bool
+
+
+class SearchStep(Enum):
+    """Where a block search waits."""
+
+    BEGIN = "the PLC knows that it begins"
+    END = "the PLC has done everything that was left out"
+    RETURN = "the axes may go back to the contour"
+    GO_ON = "the program may go on"
+
+
+@dataclass(frozen=True, slots=True)
+class SearchGate:
+    """A step of a block search. Behind BEGIN and RETURN the preparation waits until the cycle has passed it."""
+
+    source: Source
+    step: SearchStep
+    automatic: bool = False  # nobody is asked
+
+
+@dataclass(frozen=True, slots=True)
+class SearchPlace:
+    """The program goes on here: `way` mm and `blocks` ended blocks behind its start."""
+
+    source: Source
+    way: float
+    blocks: int
+
+
 Block = (
     Line
     | Arc
@@ -793,4 +835,8 @@ Block = (
     | Homing
     | TakeOver
     | PathRestart
+    | SearchMark
+    | SearchArea
+    | SearchGate
+    | SearchPlace
 )

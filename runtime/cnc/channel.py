@@ -24,6 +24,8 @@ from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
+from runtime.cnc.block_search import GATES as SEARCH_GATES
+from runtime.cnc.block_search import BlockSearching
 from runtime.cnc.delete_distance import DeleteDistance
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.job_records import read_job
@@ -35,6 +37,7 @@ from runtime.cnc.technology import TechnologyFunctions, TechnologySettings
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.hli.block_search import SearchPartner
 from runtime.hli.layout import Channel as ChannelArea
 from runtime.hli.layout import Hli, StopCondition
 from runtime.hli.technology import TechnologyPort
@@ -64,6 +67,8 @@ _EXACT_STOP = int(StopCondition.EXACT_STOP)
 _MANUAL = int(StopCondition.MANUAL)
 _DELETE_DISTANCE = int(StopCondition.DELETE_DISTANCE)
 _AXIS_JOB = int(StopCondition.AXIS_JOB)
+_BLOCK_SEARCH = int(StopCondition.BLOCK_SEARCH)
+_RETURN_TO_CONTOUR = int(StopCondition.RETURN_TO_CONTOUR)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -142,9 +147,13 @@ class Channel:
         self.stop_before = stop_before
         self._delete_distance = DeleteDistance(interpolator)
         self.jobs = ProgramJobs(axis_names)
+        self._area = area
+        self.search = BlockSearching(SearchPartner(area.control.block_search_on, area.status))
+        self._every_axis = (1 << len(axes)) - 1
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
+        self._block_ends = queue.records["block_end"]
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
         self._rapid = queue.records["rapid"]
         self.interpolator = interpolator
@@ -203,6 +212,7 @@ class Channel:
         self.queue.discard_all()
         self.beside.begin()
         self.jobs.begin()
+        self.search.begin(order)
         self._delete_distance.begin()
         self.interpolator.restart(order.start)
         self.functions.restart()
@@ -256,6 +266,7 @@ class Channel:
         self.link.abort()
         if not self._came_to_end:
             self.jobs.stop()
+        self.search.end(reached=self._came_to_end)
         self._drops = drop
         self.phase = Phase.CLEARING
 
@@ -344,6 +355,7 @@ class Channel:
         passed = path.passed
         for index in passed:
             self._pass(index)
+        self.search.follow(path.path_position, path.line, path.n)
         self.functions.look_ahead(held=held or override == 0.0)
         if life.wanted:
             life.moved(path.path_position)
@@ -475,6 +487,8 @@ class Channel:
             return self._user_error(gate)
         if gate.reason in GATES:
             return self._beside_path(gate, pressed)
+        if gate.reason in SEARCH_GATES:
+            return self._search(gate, pressed)
         if gate.reason is GateReason.PROGRAM_END:
             if self.functions.end_waits:
                 return _WAIT_TECHNOLOGY
@@ -518,6 +532,31 @@ class Channel:
             taken = beside.take_over(path)
             self.link.reach(path.position, self._actual[self._axes], taken)
         path.open_gate()
+        return _NONE
+
+    def _search(self, gate: QueueRecord, pressed: bool) -> int:
+        """A block search: the PLC agrees, the axes go back to the contour, the program goes on."""
+        path, search = self.interpolator, self.search
+        if self.phase is not Phase.RUNNING or not path.all_told:
+            return _BLOCK_SEARCH
+        search.arrived(gate.reason)
+        automatic = gate.number != 0
+        waits = _BLOCK_SEARCH
+        if gate.reason is GateReason.SEARCH_RETURN:
+            hand = GateReason.TAKE_OVER if automatic else GateReason.MANUAL
+            waits = self._beside_path(gate._replace(reason=hand, number=self._every_axis), pressed) | _RETURN_TO_CONTOUR
+        elif gate.reason is GateReason.SEARCH_GO_ON:
+            if automatic:
+                path.open_gate()
+            else:
+                waits = self._go_on(pressed, _RETURN_TO_CONTOUR | _WAIT_CONTINUE)
+        elif search.agrees(bool(self._area.plc_present_w)):
+            if gate.reason is GateReason.SEARCH_BEGIN:
+                self.link.reach(path.position, self._actual[self._axes])
+            path.open_gate()
+        if path.gate >= 0:
+            return waits
+        search.passed(gate.reason)
         return _NONE
 
     def _dwell(self, seconds: float, inputs: ChannelInputs) -> int:
@@ -596,7 +635,7 @@ class Channel:
             self.functions.take(index)
         elif kind == _FUNCTION_AHEAD:
             self.functions.take_ahead(index)
-        elif kind == _BLOCK_END:
+        elif kind == _BLOCK_END or (kind <= _LAST_MOTION and self._block_ends[index % self.queue.capacity]):
             self.block_counter += 1
         elif kind == _ACTION:
             record = read_record(self.queue, index)
@@ -607,6 +646,9 @@ class Channel:
                     self.jobs.order(read_job(self.queue, index), locked=self.locked)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
+            elif record.action is ActionKind.SEARCH_PLACE:
+                self.search.place(record.value, self.interpolator.path_position)
+                self.block_counter = record.offset
             else:
                 place = self._place_of(index) if record.action is ActionKind.TOOL_LIFE else 0.0
                 self.actions.carry_out(record, place)

@@ -78,6 +78,10 @@ class GateReason(IntEnum):
     MANUAL_END = 21  # G202: the motion by hand has ended
     HOMING = 22  # G74: the axes have their reference
     TAKE_OVER = 23  # the path goes on from where the axes are
+    SEARCH_BEGIN = 30  # block search: see blocks.SearchStep
+    SEARCH_END = 31
+    SEARCH_RETURN = 32
+    SEARCH_GO_ON = 33
 
 
 class ActionKind(IntEnum):
@@ -92,6 +96,7 @@ class ActionKind(IntEnum):
     AXIS_JOB = 6  # a PLCopen job for an axis outside the path
     MANUAL_ON = 20  # G201
     MANUAL_PARAMETER = 21
+    SEARCH_PLACE = 30  # the program goes on here after a block search
 
 
 RECORD = np.dtype(

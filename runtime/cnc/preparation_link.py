@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.decoder_reports import REPORTS_BYTES, DecoderReports
+from runtime.cnc.search_target import BlockSearch, SearchKind
 from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
 from runtime.hli.layout import Mode
 
@@ -45,6 +46,7 @@ class PreparationState(IntEnum):
     FAILED = 3  # the problem tells why; what was prepared before it is in the queue
 
 
+_SEARCH = ("value", "passes", "covered", "way", "line", "automatic", "without_stop", "feed")  # of BlockSearch, numbers
 _RUNNING = int(PreparationState.RUNNING)
 _RECORD = np.dtype(
     [
@@ -66,6 +68,18 @@ _RECORD = np.dtype(
         ("text", "i4"),  # 1: `program` is NC blocks
         ("mode", "i4"),  # of the mode unit
         ("program", f"S{FILE}"),
+        ("search", "i4"),  # SearchKind, and the fields of BlockSearch
+        ("search_passes", "u4"),
+        ("search_line", "i4"),
+        ("search_automatic", "i4"),
+        ("search_without_stop", "i4"),
+        ("search_value", "i8"),
+        ("search_covered", "f8"),
+        ("search_way", "f8"),
+        ("search_feed", "f8"),
+        ("search_ranks", "i4", (AXES,)),
+        ("begin", "f8", (AXES,)),  # where the program begins
+        ("search_program", f"S{FILE}"),
         ("problem_file", f"S{FILE}"),
         ("problem_text", f"S{TEXT}"),
     ],
@@ -77,7 +91,8 @@ _RECORD = np.dtype(
 class StartOrder:
     """Which program, from which machine position (n_axes,), with which skip levels (bit n-1 = level n), in which mode.
 
-    `text`: the program is NC blocks, and no file.
+    `text`: the program is NC blocks, and no file. `search`: where it is entered, None at its beginning; `begin` (n_axes,) is
+    where the program takes the axes to be at its beginning then, None where they are.
     """
 
     program: str
@@ -85,6 +100,8 @@ class StartOrder:
     skip_levels: int
     mode: int = int(Mode.AUTOMATIC)
     text: bool = False
+    search: BlockSearch | None = None
+    begin: npt.NDArray[np.float64] | None = None
 
 
 class Failure(NamedTuple):
@@ -128,11 +145,43 @@ class PreparationLink:
         record["start"][0, : self._n_axes] = order.start
         record["skip_levels"][0] = order.skip_levels
         record["mode"][0], record["text"][0] = order.mode, order.text
+        record["begin"][0, : self._n_axes] = order.start if order.begin is None else order.begin
+        self._write_search(order.search)
         record["state"][0] = PreparationState.RUNNING
         record["problem_id"][0] = 0
         record["reached"][0] = 0
         record["holds"][0] = 0
         self._order(Order.START)
+
+    def _write_search(self, search: BlockSearch | None) -> None:
+        record = self._record
+        record["search"][0] = SearchKind.NONE if search is None else search.kind
+        if search is None:
+            return
+        for name in _SEARCH:
+            record[f"search_{name}"][0] = getattr(search, name)
+        record["search_program"][0] = search.program.encode()
+        record["search_ranks"][0] = 0
+        record["search_ranks"][0, : len(search.ranks)] = search.ranks
+
+    def _read_search(self) -> BlockSearch | None:
+        record = self._record
+        kind = SearchKind(self._get("search"))
+        if kind is SearchKind.NONE:
+            return None
+        return BlockSearch(
+            kind,
+            value=self._get("search_value"),
+            passes=self._get("search_passes"),
+            program=bytes(record["search_program"][0]).decode(),
+            covered=float(record["search_covered"][0]),
+            way=float(record["search_way"][0]),
+            line=self._get("search_line"),
+            automatic=bool(self._get("search_automatic")),
+            without_stop=bool(self._get("search_without_stop")),
+            feed=float(record["search_feed"][0]),
+            ranks=tuple(record["search_ranks"][0, : self._n_axes].tolist()),
+        )
 
     def abort(self) -> None:
         """Order the preparation to stop writing."""
@@ -207,6 +256,8 @@ class PreparationLink:
             skip_levels=self._get("skip_levels"),
             mode=self._get("mode"),
             text=bool(self._get("text")),
+            search=self._read_search(),
+            begin=np.array(record["begin"][0, : self._n_axes]),
         )
 
     @property

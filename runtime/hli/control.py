@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass
 
 from runtime.diagnostics.errors import Problem
+from runtime.hli.block_search import SearchOrders
 from runtime.hli.layout import (
     Axis,
     AxisControl,
@@ -178,6 +179,7 @@ class ChannelCommands:
         self._continue = OneShot(control.continue_motion, operator, "continue_motion_rw")
         self._reset = OneShot(control.reset, operator, "reset_rw")
         self.modes = ModeOrders(control.mode_and_state, operator)
+        self.search = SearchOrders(control, operator)
         self.feed_hold = False
         self.override = 1.0  # share of the programmed feed
         self.time_override = 1.0

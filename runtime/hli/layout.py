@@ -90,6 +90,20 @@ class StopCondition(IntFlag):
     AXIS_LIMIT = 0x40000  # an axis would leave its dynamic limits, or move in a blocked direction
     DELETE_DISTANCE = 0x80000  # brakes, to drop the rest of the block
     AXIS_JOB = 0x100000  # a job of an axis outside the path has to be done
+    BLOCK_SEARCH = 0x200000  # the PLC has to confirm that a block search begins, or that it has done what it got
+    RETURN_TO_CONTOUR = 0x400000  # behind a block search: the axes may go back, or the program may go on, when told to
+
+
+class SearchState(IntEnum):
+    """`block_search_state_r`."""
+
+    INACTIVE = 0
+    WAIT_FOR_PLC_ON = 1  # until block_search_on is TRUE, if the PLC has claimed it
+    ACTIVE = 2
+    WAIT_FOR_PLC_OFF = 3  # until it is FALSE again
+    WAIT_FOR_RETURN = 4  # the axes may be moved by hand, until continue
+    RETURNING = 5
+    WAIT_TO_CONTINUE = 6
 
 
 class ManualMode(IntEnum):
@@ -365,6 +379,58 @@ class LcUnit(c.Structure):
     _fields_ = [("please_rw", c.c_bool), ("done_w", c.c_bool)]
 
 
+class SearchOrder(c.Structure):
+    """Where a program is entered that is started next, and how the axes get there.
+
+    `type`: 0 at its beginning, 1 file offset, 3 block counter, 4 block number, 5 line, 6 where it was interrupted; `value`
+    that number. `passes`: how often the block is come to, 0 as 1. `covered`: share of its first motion that is left out too.
+    `return_feed` 0: that of the motion. `ranks`: the turn of each axis on the way back; all 0: the tool axis last, or first if
+    it moves in its positive direction. `program`: file of the subprogram that the block stands in, "" for the main program.
+    """
+
+    _fields_ = [
+        ("value", c.c_uint64),
+        ("type", c.c_uint32),
+        ("passes", c.c_uint32),
+        ("covered", c.c_uint32),  # 0.1 %
+        ("return_feed", c.c_uint32),  # 1 µm/s
+        ("ranks", c.c_uint16 * MAX_CHANNEL_AXES),
+        ("program", c.c_char * 128),
+        ("automatic_return", c.c_bool),  # nobody is asked before the axes go back
+        ("no_hold", c.c_bool),  # nobody is asked before the program goes on
+    ]
+
+
+class SearchUnit(c.Structure):
+    """Control unit of the block search: `command_w` holds for every program that is started while it stands there."""
+
+    _fields_ = [
+        ("request_r", SearchOrder),  # what the operator has asked for, if the PLC has claimed the unit
+        ("command_w", SearchOrder),
+        ("type_r", c.c_uint32),  # of the program that runs
+        ("enable_w", c.c_bool),
+    ]
+
+
+class OperatorSearch(c.Structure):
+    """The operator's side of a block search: for one start, whether it is taken or refused."""
+
+    _fields_ = [("data_w", SearchOrder), ("semaphor_rw", c.c_bool)]
+
+
+class Interruption(c.Structure):
+    """Where the program of mode AUTOMATIC is, or was when it ended before its end; kept when the power goes."""
+
+    _fields_ = [
+        ("program_r", c.c_char * 304),
+        ("begin_r", c.c_double * MAX_CHANNEL_AXES),  # 0.1 µm or 0.0001 degrees: of the axes at the start of the program
+        ("line_r", c.c_uint32),
+        ("block_number_r", c.c_int32),
+        ("way_r", c.c_double),  # 0.1 µm of path since the start of the program
+        ("valid_r", c.c_bool),
+    ]
+
+
 class OperatorUnit(c.Structure):
     """What the operator asks of a channel; `_w` is the operator's, who may be another process (`tandem hli command`).
 
@@ -391,6 +457,7 @@ class OperatorUnit(c.Structure):
         ("jog_parameter", OperatorJogParameter),
         ("key", OperatorKey),
         ("handwheel_w", c.c_int32 * HANDWHEELS),  # added to what the PLC counts
+        ("block_search", OperatorSearch),
     ]
 
 
@@ -656,6 +723,11 @@ class ChannelControl(c.Structure):
         ("read_disable", BoolUnit),
         ("delete_distance_to_go", BoolUnit),
         ("manual", ManualControl),
+        ("block_search", SearchUnit),
+        (
+            "block_search_on",
+            BoolUnit,
+        ),  # request_r: the CNC waits; TRUE: it may begin, FALSE: all that was put out is done
     ]
 
 
@@ -691,6 +763,9 @@ class ChannelStatus(c.Structure):
             c.c_uint32,
         ),  # 0.1 µm to where functions that were put out ahead are waited for (P-CHAN-00212)
         ("techno_time_to_go_r", c.c_uint32),  # µs, the same; 4294967295: not to be foreseen
+        ("block_search_state_r", c.c_uint32),  # SearchState
+        ("block_search_active_r", c.c_bool),  # the PLC gets the functions that were left out
+        ("interruption", Interruption),
     ]
 
 

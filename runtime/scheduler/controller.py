@@ -47,6 +47,7 @@ from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.orders import Orders
 from runtime.scheduler.plc_link import PlcPartner, PlcSupervision
 from runtime.scheduler.publish import Publisher
+from runtime.scheduler.search_orders import search_of
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -351,16 +352,20 @@ class Controller:
             self._event(EventKind.MODE, number=orders.mode, value=float(orders.state))
 
     def _start(self, work: Work) -> None:
-        problem = self._hindrance(work.mode)
-        if problem is not None:
+        asked = self.orders.take_search()
+        found = search_of(asked, work, self.channel.search.point, len(self._path_list))
+        hindrance = self._hindrance(work.mode) or (found if isinstance(found, Problem) else None)
+        if hindrance is not None:
             self.orders.start_refused()
-            self.alarm(problem)
+            self.alarm(hindrance)
             return
+        assert not isinstance(found, Problem)
+        search, begin = found
         position = self.drives.image.target_position[self._path_axes].copy()
         self._astray.clear()
         self._parked_at[:] = position
         self.publisher.program(work.content)
-        order = StartOrder(work.content, position, self.orders.skip_levels, work.mode, work.text)
+        order = StartOrder(work.content, position, self.orders.skip_levels, work.mode, work.text, search, begin)
         self.channel.start(order, locked=self.orders.machine_lock)
 
     def _hindrance(self, mode: Mode) -> Problem | None:

@@ -33,7 +33,7 @@ from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent, parent_gone
 from runtime.scheduler.clock import RealTimeClock
 from runtime.scheduler.controller import Controller
-from runtime.scheduler.keeping import retained_of
+from runtime.scheduler.keeping import interruption_in, retained_of
 from runtime.scheduler.plc_link import PlcProcess
 from runtime.scheduler.realtime import prepare_realtime
 from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
@@ -79,6 +79,7 @@ class CycleProcess:
         """The alarm history of earlier runs, and where the axes stood."""
         retained, problems = self._store.load()
         self.controller.alarms.restore(retained.alarms)
+        self.controller.channel.search.point = interruption_in(retained, len(self.machine.channels[0].axes))
         self._positions_before = dict(retained.positions)
         for problem in problems:
             self.controller.alarm(problem)

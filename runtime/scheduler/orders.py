@@ -9,7 +9,7 @@ from runtime.cnc.channel import Channel, ChannelInputs
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import Problem
 from runtime.hli.control import AxisCommands, ChannelCommands
-from runtime.hli.layout import Hli, Mode, State
+from runtime.hli.layout import Hli, Mode, SearchOrder, State
 from runtime.hli.manual import ManualCommands
 from runtime.hli.modes import Action, Refusal, Wish, Work, next_step, work_of
 from runtime.hli.sampled_override import SampledOverride
@@ -112,6 +112,10 @@ class Orders:
     def skip_levels(self) -> int:
         """Bit n-1 is skip level n."""
         return self._channel_commands.skip_levels
+
+    def take_search(self) -> SearchOrder | None:
+        """A program is started: where it is to be entered, None at its beginning."""
+        return self._channel_commands.search.take(self._channel.plc_present_w)
 
     def take_reset(self) -> bool:
         """A reset is ordered in this cycle, by the channel's unit, an axis' unit or the mode unit."""

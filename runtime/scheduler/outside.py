@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from datetime import datetime
+from typing import Protocol
+
+import numpy as np
 
 from runtime.cnc.blocks import Floats, Message, Receiver, TimerCommand, UserError
 from runtime.cnc.decoder_reports import Report, ReportKind
@@ -21,6 +24,18 @@ from runtime.hli.timers import Timers
 from runtime.hli.tools import Identity, RequestKind, ToolAnswered, ToolRequests
 
 _RECEIVERS = tuple(Receiver)
+
+
+class Search(Protocol):
+    """A block search, as far as the decoder has to know of it."""
+
+    @property
+    def searching(self) -> bool:
+        """What the program does is left out now."""
+
+    @property
+    def place(self) -> Floats:
+        """Where the program has come to without the axes, (n_axes,)."""
 
 
 class RunningMachine:
@@ -38,6 +53,7 @@ class RunningMachine:
         self._external = external_area(hli)
         self._backlog: deque[Report] = deque()
         self._number = link.told.last  # of the report told last; goes on when the preparation starts anew
+        self.search: Search | None = None  # of the program that runs
         self._for_plc: deque[int] = deque(maxlen=1024)  # numbers of messages that the PLC takes, oldest first
 
     @property
@@ -45,13 +61,22 @@ class RunningMachine:
         return self._external
 
     def command_position(self) -> Floats | None:
-        return self._link.command_position
+        return self._left_out if self.searching() else self._link.command_position
 
     def actual_position(self) -> Floats | None:
-        return self._link.actual_position
+        return self._left_out if self.searching() else self._link.actual_position
 
     def manual_offsets(self) -> Floats | None:
-        return self._link.manual_offsets
+        return np.zeros(len(self._axes)) if self.searching() else self._link.manual_offsets
+
+    def searching(self) -> bool:
+        return self.search is not None and self.search.searching
+
+    @property
+    def _left_out(self) -> Floats:
+        """Where the axes would be if they had driven what a block search leaves out."""
+        assert self.search is not None
+        return self.search.place.copy()
 
     def referenced(self, axis: int) -> bool:
         return bool(self._axes[axis].status.referenced_r)
@@ -78,6 +103,8 @@ class RunningMachine:
     # ------------------------------------------------------------------ messages and warnings
 
     def tell(self, message: Message) -> int:
+        if self.searching():
+            return self._number
         number = self._put(
             Report(
                 ReportKind.MESSAGE,
@@ -125,6 +152,7 @@ class RunningMachine:
         self._number -= len(self._backlog)
         self._backlog.clear()
         self._tools.forget()
+        self.search = None
 
     # ------------------------------------------------------------------ external tool management
 

@@ -11,11 +11,11 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from runtime.cnc.blocks import Block
+from runtime.cnc.blocks import Block, Floats
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
+from runtime.cnc.path_preparation import BlockSearchStage, LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
 from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.stages import prepared
@@ -133,6 +133,11 @@ class Preparation:
             return
         limits = SoftwareLimits.of(self._machine, self._channel)
         blocks = prepared(source, self._axis_limits, limits, self._late)
+        if order.search is not None:
+            begin = order.start if order.begin is None else order.begin
+            search = BlockSearchStage(order.search, Path(order.program).name, begin, self._standing, self._ordered)
+            self._outside.search = search
+            blocks = search(blocks)
         if self._on_block is not None:
             blocks = itertools.chain.from_iterable(map(self._observed, blocks))
         self._blocks = blocks
@@ -151,13 +156,22 @@ class Preparation:
         self.decoder = Decoder(
             program,
             self._setup,
-            start=order.start,
+            start=order.start if order.begin is None else order.begin,
             memory=self._memory,
             outside=outside,
             skip_levels=lambda: outside.skip_levels(order.skip_levels),
-            interrupted=lambda: self._link.waiting_order is not Order.NONE,
+            interrupted=self._ordered,
+            search=order.search,
         )
         return self.decoder.blocks()
+
+    def _standing(self) -> Floats:
+        """Where the axes stood when the path came to the last place that the decoder has waited for, (n_axes,)."""
+        return self._link.command_position
+
+    def _ordered(self) -> bool:
+        """An order waits: what is being prepared is over."""
+        return self._link.waiting_order is not Order.NONE
 
     def _file(self, order: StartOrder) -> Path:
         """The program file. NC blocks that came with the order become one, named after their mode."""

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.axes.supervision import AxisSupervision
+from runtime.cnc.block_search import PointOfInterruption
 from runtime.cnc.channel import Channel
 from runtime.config.machine import Machine
 from runtime.drives import DriveImage, DriveState
@@ -121,6 +122,8 @@ class Publisher:
             axis.status.drive_type_r = _CANOPEN if real else _SIMULATION
             axis.status.referenced_r = True  # spindles; see `_beside` for the path axes
         self._path_areas = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
+        self._interruption = self._status.interruption
+        self._told_point: PointOfInterruption | None = None
         self._displays = [self._status.hb_display_r[k] for k in range(len(self._path_areas))]
         self._by_hand = True
 
@@ -187,12 +190,28 @@ class Publisher:
             area.actual_speed_r = int(actual * SPEED)
             area.rev_erreicht_r = spindle.reached(actual)
             area.rev_null_r = spindle.standing(actual)
+        self._point(channel)
         self._beside(channel)
         platform = self._platform
         platform.bus_load_r = image.bus_load
         platform.emcy_count_r = image.emcy_count
         platform.frames_sent_r = image.frames_sent
         platform.frames_received_r = image.frames_received
+
+    def _point(self, channel: Channel) -> None:
+        """Where the program is, for whoever keeps it: the line first, so that a reader finds one that the way has passed."""
+        point, told = channel.search.point, self._interruption
+        if point is None:
+            return
+        if point is not self._told_point:
+            self._told_point = point
+            told.valid_r = False
+            put_text(told, "program_r", point.program)
+            for k, place in enumerate(point.begin):
+                told.begin_r[k] = place * LENGTH
+        told.line_r, told.block_number_r = point.line, point.n
+        told.way_r = point.way * LENGTH
+        told.valid_r = point.valid
 
     def _beside(self, channel: Channel) -> None:
         """References, and how the axes can be moved by hand; most cycles have nothing new."""

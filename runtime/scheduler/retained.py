@@ -1,4 +1,4 @@
-"""What survives a restart: axis positions, zero offsets, the alarm history.
+"""What survives a restart: axis positions, zero offsets, where a program was interrupted, the alarm history.
 
 A file is replaced, never changed: the new text goes into a file of its own, which is brought to the disk and then takes
 the name of the old one in one step. The old one is kept under a second name. Whatever moment the power goes, one of the
@@ -52,6 +52,7 @@ class Retained:
     positions: Mapping[str, float] = field(default_factory=dict)  # axis name -> position
     zero_offsets: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)  # channel, G5x, axis
     alarms: tuple[RetainedAlarm, ...] = ()  # oldest first, GREATEST_HISTORY at most are kept
+    interruption: Mapping[str, Any] = field(default_factory=dict)  # see `keeping`; empty: no program was interrupted
 
 
 class _DamagedError(Exception):

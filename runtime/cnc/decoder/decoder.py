@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, Source
+from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, SearchMark, Source
 from runtime.cnc.decoder import additions
 from runtime.cnc.decoder.block import WordBlocks
 from runtime.cnc.decoder.corners import Corners
@@ -25,6 +25,7 @@ from runtime.cnc.decoder.outside import Offline, Outside, WaitForOutside
 from runtime.cnc.decoder.plain import NeedsFull, PlainRuns
 from runtime.cnc.decoder.program import Program
 from runtime.cnc.decoder.radius_compensation import expect_none
+from runtime.cnc.decoder.search import TargetFinder
 from runtime.cnc.decoder.sequences import next_pass
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.tool_management import ToolWait
@@ -34,6 +35,7 @@ from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.index import MIDDLE, Unit
 from runtime.cnc.language.isg.words import WordKind
+from runtime.cnc.search_target import BlockSearch
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
@@ -68,6 +70,7 @@ class Decoder:
     `outside` the machine around. `skip_levels()` gives the switched-on skip levels as bits (bit 0: `/` and `/1`).
     `interrupted()` is asked every POLL executed blocks; when it is true the generator ends, so that a loop without motion
     cannot hold anybody. With `idle_limit` a program that executes so many blocks without any output is an error instead.
+    `search`: a `SearchMark` tells where the execution comes to the block at which the program is to be entered.
     """
 
     def __init__(
@@ -81,6 +84,7 @@ class Decoder:
         skip_levels: Callable[[], int] = _no_levels,
         interrupted: Callable[[], bool] = _never,
         idle_limit: int | None = None,
+        search: BlockSearch | None = None,
     ) -> None:
         self.executed = 0  # entries so far
         self.execution = x = Execution(
@@ -98,6 +102,7 @@ class Decoder:
         assert main is not None
         x.frames.append(Frame(program.unit, main, main.begin, Level.MAIN, name=main.name))
         x.source = Source(program.unit.name, main.line)
+        self._search = None if search is None else TargetFinder(search, program.unit)
 
     @property
     def modal(self) -> ModalState:
@@ -160,6 +165,8 @@ class Decoder:
                             unit.forget(entry)
                 if self._idle_limit is not None and self._idle > self._idle_limit:
                     raise ProgramError(catalogue.ENDLESS_LOOP, unit.place(unit.line(entry)), count=self._idle_limit)
+                if self._search is not None and self._search.pending and not repeating:
+                    self._look_for_target(self._search, frame, unit, entry)
                 frame.index = entry + 1
                 if unit.count(entry):
                     if unit.corner_follows(entry, frame.section):  # the last motion has to stay at hand
@@ -205,6 +212,19 @@ class Decoder:
             yield from self._handed_over()
             raise
         yield from self._handed_over()
+
+    def _look_for_target(self, search: TargetFinder, frame: Frame, unit: Unit, entry: int) -> None:
+        """Mark the place of a block search; in a plain run it is marked where the run comes to it."""
+        rows = self._plain.rows(unit, entry) if unit.count(entry) else None
+        row = search.row(frame, unit, entry, rows)
+        if row > frame.row:
+            frame.target_row = row
+        elif row >= 0:
+            self._mark(unit, unit.line(entry) + row)
+
+    def _mark(self, unit: Unit, line: int) -> None:
+        self._x.flush_run()
+        self._x.out.append(SearchMark(Source(unit.name, line)))
 
     def _corner_ahead(self, frame: Frame, unit: Unit, entry: int) -> bool:
         """Whether the entry is, or comes shortly before, a block that gives a corner to the last motion."""
@@ -265,12 +285,26 @@ class Decoder:
         first, frame.row = frame.row, 0
         end = frame.sequence.end if frame.sequence is not None else None
         behind = end[1] + 1 if end is not None and end[0] == entry else unit.count(entry)
+        target, frame.target_row = frame.target_row, -1
+        if first <= target < behind:
+            yield from self._rows_of(frame, unit, entry, first, target, behind)
+            if x.frames[-1] is not frame:  # a modal cycle comes first
+                frame.target_row = target
+                return
+            self._mark(unit, unit.line(entry) + target)
+            yield from self._handed_over()
+            first = target
+        yield from self._rows_of(frame, unit, entry, first, behind, behind)
+
+    def _rows_of(self, frame: Frame, unit: Unit, entry: int, first: int, behind: int, last: int) -> Iterator[Block]:
+        """The rows `first` to before `behind` of a run that goes on to before `last`."""
+        x = self._x
         for part in self._plain.run(unit, entry, x, first, behind):
             if isinstance(part, NeedsFull):
                 self._execute(None, entry, x.compile(unit, unit.text_at(part.offset, part.line)))
                 if x.frames[-1] is not frame:  # a modal cycle: the rest of the run comes behind it
                     frame.row = part.line - unit.line(entry) + 1
-                    if frame.row < behind:
+                    if frame.row < last:
                         frame.index = entry
                     else:
                         frame.row = 0

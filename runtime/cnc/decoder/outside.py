@@ -70,6 +70,9 @@ class Outside(Protocol):
     def operating_mode(self) -> int:
         """The mode that the program was started in, as the HLI numbers it."""
 
+    def searching(self) -> bool:
+        """A block search leaves out what the program does now."""
+
     def has_tool_management(self) -> bool:
         """Somebody is there who answers for an external tool management."""
 
@@ -141,6 +144,9 @@ class Offline:
     def operating_mode(self) -> int:
         """A check takes the ways through the program that the machine takes in automatic mode."""
         return int(Mode.AUTOMATIC)
+
+    def searching(self) -> bool:
+        return False
 
     def has_tool_management(self) -> bool:
         return False

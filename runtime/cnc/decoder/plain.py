@@ -121,6 +121,10 @@ class PlainRuns:
                 yield NeedsFull(base + int(rows.starts[first]), line + first)
                 first += 1
 
+    def rows(self, unit: Unit, entry: int) -> PlainRows:
+        """The rows of a run as they were scanned."""
+        return self._rows(unit, entry)[0]
+
     def _rows(self, unit: Unit, entry: int) -> tuple[PlainRows, int]:
         """Scanned rows of the run, and the file offset that their starts count from; short runs stay, for loops."""
         key = (id(unit), entry)

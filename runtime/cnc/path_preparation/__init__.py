@@ -1,5 +1,6 @@
 """Path preparation: what happens to blocks between the decoder and the motion queue."""
 
+from runtime.cnc.path_preparation.block_search import BlockSearchStage
 from runtime.cnc.path_preparation.corner_deceleration import CornerDecelerations
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
 from runtime.cnc.path_preparation.late_synchronisation import LateSynchronisation
@@ -9,6 +10,7 @@ from runtime.cnc.path_preparation.software_limits import SoftwareLimits
 from runtime.cnc.path_preparation.spatial_arcs import SpatialArcs
 
 __all__ = [
+    "BlockSearchStage",
     "CornerDecelerations",
     "LateSynchronisation",
     "PathError",

@@ -41,6 +41,11 @@ from runtime.cnc.blocks import (
     Polyline,
     Polynomials,
     Receiver,
+    SearchArea,
+    SearchGate,
+    SearchMark,
+    SearchPlace,
+    SearchStep,
     Source,
     SpindleSetting,
     Stop,
@@ -79,6 +84,14 @@ _STOPS = {
     StopKind.PROGRAMMED: GateReason.PROGRAMMED_STOP,
     StopKind.OPTIONAL: GateReason.OPTIONAL_STOP,
     StopKind.PROGRAM_END: GateReason.PROGRAM_END,
+}
+
+
+_SEARCH = {
+    SearchStep.BEGIN: GateReason.SEARCH_BEGIN,
+    SearchStep.END: GateReason.SEARCH_END,
+    SearchStep.RETURN: GateReason.SEARCH_RETURN,
+    SearchStep.GO_ON: GateReason.SEARCH_GO_ON,
 }
 
 
@@ -273,7 +286,7 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, _STOPS[block.kind]
             case BlockEnd():
                 record["kind"] = RecordKind.BLOCK_END
-            case ToolRadius():
+            case ToolRadius() | SearchMark() | SearchArea():
                 return record[:0]
             case Flush():
                 return self._flush_records(record, block.kind)
@@ -311,6 +324,13 @@ class QueueWriter:
                 record["text"] = self.queue.texts.put(self._error_text(block))
                 if block.remedy_class != 0:
                     record["kind"], record["reason"] = RecordKind.GATE, GateReason.USER_ERROR
+            case SearchGate():
+                record["kind"], record["reason"] = RecordKind.GATE, _SEARCH[block.step]
+                record["number"] = block.automatic
+                self._flushing = block.step in (SearchStep.BEGIN, SearchStep.RETURN)
+            case SearchPlace():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.SEARCH_PLACE
+                record["value"], record["offset"] = block.way, block.blocks
             case PathRestart():
                 self._before = self._place = self._block_end = None
                 return record[:0]
@@ -461,7 +481,7 @@ class QueueWriter:
         radius, angle = math.hypot(x, y), math.radians(arc.angle)
         linear = arc.end - arc.start
         linear[first] = linear[second] = 0.0
-        length = math.hypot(radius * angle, float(np.linalg.norm(linear[:MAIN_AXES])))
+        length = math.hypot(radius * angle, float(np.linalg.norm(linear[:MAIN_AXES])))  # as in path_lengths
         self._block_end = arc.end
         if not (math.isfinite(length) and math.isfinite(arc.radius)):
             raise PathError(ARC_GEOMETRY, Place(program, line), radius=arc.radius, angle=arc.angle)

@@ -11,6 +11,7 @@ from types import ModuleType
 
 from runtime.diagnostics.catalogue import (
     axis_jobs,
+    block_search,
     commissioning,
     configuration,
     fieldbus,
@@ -38,6 +39,7 @@ _AREAS: tuple[ModuleType, ...] = (
     tools,
     radius,
     axis_jobs,
+    block_search,
 )
 
 

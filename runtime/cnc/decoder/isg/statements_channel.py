@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Flush, FlushKind
+from runtime.cnc.blocks import Flush, FlushKind, SearchArea
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.language.isg.syntax import Form
@@ -28,3 +28,14 @@ def wait_for(x: Execution, call: StatementCall) -> None:
     """Decoding stands until the expression is above 0.5 (line 12440)."""
     if not call.needed() > 0.5:
         x.repeat("#WAIT FOR")
+
+
+@statement("BLOCKSEARCH LOCKED", "hli.ch.cu.block-search")
+def search_locked(x: Execution, call: StatementCall) -> None:
+    """No block search enters the program from here on."""
+    x.emit(SearchArea(x.source, True))
+
+
+@statement("BLOCKSEARCH RELEASED", "hli.ch.cu.block-search")
+def search_released(x: Execution, call: StatementCall) -> None:
+    x.emit(SearchArea(x.source, False))

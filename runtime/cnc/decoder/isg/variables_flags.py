@@ -83,10 +83,9 @@ def lifting(x: Execution) -> float:
     return 0.0
 
 
-@variable("V.G.BLOCK_SEARCH_ACTIVE", _SPEC, "0: programs are started at their beginning")
+@variable("V.G.BLOCK_SEARCH_ACTIVE", _SPEC, "1 while a block search leaves out what comes before its place")
 def searching(x: Execution) -> float:
-    """Whoever starts a program names no place in it."""
-    return 0.0
+    return float(x.outside.searching())
 
 
 @variable("V.G.MEAS_TYPE", _SPEC, "active measuring type, 1…7: the configured one (P-CHAN-00057)")
