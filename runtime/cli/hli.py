@@ -15,12 +15,13 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from runtime.cli.search_place import HELP, search_order
 from runtime.config.loader import load_machine
 from runtime.drives import DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
 from runtime.hli.header import c_header
-from runtime.hli.layout import Axis, Channel, Hli, ManualMode, ManualState
+from runtime.hli.layout import Axis, Channel, Hli, ManualMode, ManualState, SearchState
 from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.operator import Operator
 from runtime.hli.units import LENGTH, PERCENT, RAPID, REV_PER_MIN, SPEED
@@ -139,6 +140,8 @@ def _channel_table(channel: Channel) -> Table:
             f"{ManualMode(hand.operation_mode_r).name.lower()} {hand.control_element_r}: {hand.offset_r * LENGTH:.3f}"
             for hand in by_hand
         )
+    if status.block_search_state_r:
+        rows["block search"] = SearchState(status.block_search_state_r).name.lower().replace("_", " ")
     if status.machine_locked_r:
         rows["axes"] = "locked: nothing moves"
     for label, text in rows.items():
@@ -188,12 +191,40 @@ def _on(switch: str) -> bool:
     return switch == "on"
 
 
+Passes = Annotated[int, typer.Option(help="How often the block is come to, in loops and subprograms.", min=1)]
+Feed = Annotated[float, typer.Option("--return-feed", help="mm/min on the way back; default: as the motion.", min=0.0)]
+Automatic = Annotated[
+    bool, typer.Option("--automatic", help="Go back to the contour and on without waiting for continue.")
+]
+
+
 @command.command()
-def start(program: Annotated[str, typer.Argument(help="NC program.")], name: Name = "tandem") -> None:
-    """Start an NC program. A file of this folder is given with its full path, other names are the runtime's."""
+def start(
+    program: Annotated[str, typer.Argument(help="NC program.")],
+    at: Annotated[str, typer.Option("--at", help=HELP)] = "",
+    passes: Passes = 1,
+    subprogram: Annotated[str, typer.Option("--in", help="File of the subprogram that the place is in.")] = "",
+    covered: Annotated[float, typer.Option(help="Percent of the first motion to leave out.", min=0.0, max=100.0)] = 0.0,
+    feed: Feed = 0.0,
+    automatic: Automatic = False,
+    name: Name = "tandem",
+) -> None:
+    """Start an NC program. A file of this folder is given with its full path, other names are the runtime's.
+
+    With --at it is entered in the middle (block search): what comes before is computed and not moved. Move the axes by hand
+    then, if need be; continue lets them go back to the contour, and the next continue lets the program go on.
+    """
     file = Path(program)
     path = str(file.resolve()) if file.is_file() else program
-    _operate(name, lambda operator: operator.start(path))
+    search = search_order(at, passes, subprogram, covered, feed, automatic=automatic) if at else None
+    _operate(name, lambda operator: operator.start(path, search))
+
+
+@command.command()
+def restart(feed: Feed = 0.0, automatic: Automatic = False, name: Name = "tandem") -> None:
+    """Go on with the program that was interrupted, where it was; also after the power was off. See `start --at`."""
+    search = search_order("", feed=feed, automatic=automatic)
+    _operate(name, lambda operator: print(operator.restart(search)))
 
 
 @command.command()

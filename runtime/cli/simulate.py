@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from runtime.cli.search_place import HELP, search_order
+
 
 def command(
     file: Annotated[Path, typer.Argument(help="NC program.", show_default=False)],
@@ -22,6 +24,8 @@ def command(
     plot: Annotated[Path | None, typer.Option(help="Draw path, speeds and axes into this PNG file.")] = None,
     ideal_axes: Annotated[bool, typer.Option("--ideal-axes", help="Without drives in the loop: faster.")] = False,
     no_plc: Annotated[bool, typer.Option("--no-plc", help="Every function is acknowledged at once.")] = False,
+    start_at: Annotated[str, typer.Option("--start-at", help=HELP)] = "",
+    passes: Annotated[int, typer.Option(help="How often that block is come to, in loops and subprograms.", min=1)] = 1,
     watch: Annotated[
         list[str] | None, typer.Option(help="A V. variable for the summary (not in this version).")
     ] = None,
@@ -39,6 +43,7 @@ def command(
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="no variable is recorded yet")
     expect_dialect(dialect, str(file))
+    search = search_order(start_at, passes, automatic=True) if start_at else None
     if plot is not None:
         plot.open("ab").close()  # fails now, not after the program
     machine = load_machine(config)
@@ -54,7 +59,7 @@ def command(
         tools=copied_tools(machine, os.environ),
     )
     progress = _tell_progress if sys.stderr.isatty() else None
-    result = simulation.run_program(file, progress=progress)
+    result = simulation.run_program(file, progress=progress, search=search)
     if progress:
         print(file=sys.stderr)
     simulation.close(result)

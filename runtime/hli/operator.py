@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from runtime.diagnostics.catalogue import block_search
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Severity, TandemError
 from runtime.hli.errors import HliError
@@ -17,12 +18,14 @@ from runtime.hli.layout import (
     OperatorActivation,
     OperatorJogParameter,
     OperatorKey,
+    SearchOrder,
     State,
 )
 from runtime.hli.memory import SHARED_MEMORY, HliMemory, get_text, put_text
 from runtime.hli.modes import Wish
 from runtime.hli.units import LENGTH, SPEED, to_int32
 
+SEARCH_INTERRUPTION = 6  # type of a block search: where the program was interrupted
 PATIENCE = 2.0  # s until an order counts as not answered
 POLL = 0.002
 KEY_HOLD = 0.3  # s that a press holds by itself
@@ -39,14 +42,34 @@ class Operator:
         self._name = memory.name or ""
         self._memory = memory
         self._sleep = sleep
+        self._channel = channel
         self._unit = memory.hli.operator[channel]
         self._modes = memory.hli.channels[channel].control.mode_and_state
 
     # ------------------------------------------------------------------ orders of the mode unit
 
-    def start(self, program: str) -> None:
-        """Start an NC program in AUTOMATIC. Raises OrderRefusedError, or HliError if nobody answers."""
-        self.order(Wish(Mode.AUTOMATIC, State.ACTIVE, program))
+    def start(self, program: str, search: SearchOrder | None = None) -> None:
+        """Start an NC program in AUTOMATIC, with a block search where one is given. Raises OrderRefusedError, or HliError if
+        nobody answers; the search is withdrawn then."""
+        unit = self._unit.block_search
+        if search is not None:
+            unit.data_w = search
+        unit.semaphor_rw = search is not None
+        try:
+            self.order(Wish(Mode.AUTOMATIC, State.ACTIVE, program))
+        except TandemError:
+            unit.semaphor_rw = False
+            raise
+
+    def restart(self, search: SearchOrder) -> str:
+        """Go on with the program that was interrupted, where it was; its name. Raises as `start`, and HliError without one."""
+        point = self._memory.hli.channels[self._channel].status.interruption
+        program = get_text(point, "program_r")
+        if not point.valid_r:
+            raise HliError(block_search.SEARCH_NO_POINT, program=program)
+        search.type = SEARCH_INTERRUPTION
+        self.start(program, search)
+        return program
 
     def execute(self, blocks: str) -> None:
         """Execute NC blocks in MDI, separated by line feeds. Raises as `start`."""

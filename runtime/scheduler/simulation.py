@@ -28,7 +28,7 @@ from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveImage, DriveSystem, IdealDrives
 from runtime.fieldbus.simulator.plant import SimulatedPlant
 from runtime.hli.describe import io_bits
-from runtime.hli.layout import Mode, State, StopCondition
+from runtime.hli.layout import Mode, SearchOrder, State, StopCondition
 from runtime.hli.memory import HliMemory
 from runtime.scheduler.clock import VirtualClock
 from runtime.scheduler.controller import Controller
@@ -251,20 +251,29 @@ class Simulation:
         order.parameter = parameter.encode()
         operator.order_semaphor_rw = True
 
-    def start(self, program: Path) -> None:
-        """Order a program; it is active a cycle later."""
+    def start(self, program: Path, search: SearchOrder | None = None) -> None:
+        """Order a program, entered where `search` tells; it is active a cycle later."""
+        if search is not None:
+            unit = self.memory.hli.operator[0].block_search
+            unit.data_w, unit.semaphor_rw = search, True
         self.order(Mode.AUTOMATIC, State.ACTIVE, str(program))
 
     # ------------------------------------------------------------------ a whole program
 
-    def run_program(self, program: Path, *, progress: Callable[[float, int], None] | None = None) -> Result:
-        """From cycle start to program end, or to the error that ends it."""
+    def run_program(
+        self,
+        program: Path,
+        *,
+        progress: Callable[[float, int], None] | None = None,
+        search: SearchOrder | None = None,
+    ) -> Result:
+        """From cycle start, or from where `search` enters it, to program end, or to the error that ends it."""
         channel = self.controller.channel
         if not self.run_until(lambda: self.ready() or channel.error is not None, START_LIMIT):
             self.problems.append(Problem(alarms.NOT_READY, {"seconds": START_LIMIT}))
         if not self.ready():
             return self._result(0.0)
-        self.start(program)
+        self.start(program, search)
         begin = self.time
         self.cycle()
         for count in itertools.count():

@@ -102,3 +102,18 @@ def test_run_refuses_before_anything_starts(tmp_path: Path, capsys: pytest.Captu
         assert cli.main(["run", *arguments]) == 1
         assert id_ in capsys.readouterr().err
     assert cli.main(["run", "--demo", "-c", "config/machine.yaml"]) == 2
+
+
+@pytest.mark.spec("hli.ch.cu.block-search")
+def test_a_program_is_entered_in_the_middle(program: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    options = ["--ideal-axes", "--trace", str(out)]
+    assert cli.main(["simulate", str(program), "--start-at", "N30", *options]) == 0
+    moved = [(block["line"], block["to"]) for block in lines(out / "blocks.jsonl") if "to" in block]
+    assert moved == [
+        (4, {"X": 20.0, "Y": 10.0, "Z": 0.0}),  # the way back
+        (4, {"X": 20.0, "Y": 10.0, "Z": 5.0}),
+    ]
+    assert cli.main(["simulate", str(program), "--start-at", "N35", "--ideal-axes"]) == 1
+    assert "306100" in capsys.readouterr().err
+    assert cli.main(["simulate", str(program), "--start-at", "here", "--ideal-axes"]) == 2
