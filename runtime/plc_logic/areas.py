@@ -23,6 +23,7 @@ from runtime.hli.layout import (
     ManualMode,
     Mode,
     MotionState,
+    SearchState,
     Sgn32Unit,
     State,
     StopCondition,
@@ -64,6 +65,7 @@ class _Command:
 _MODES = {int(mode): mode for mode in Mode}
 _STATES = {int(state): state for state in State}
 _MOTION_STATES = {int(state): state for state in MotionState}
+_SEARCH_STATES = {int(state): state for state in SearchState}
 _RUNS = (int(State.ACTIVE), int(State.HOLD))
 _AXIS_STATES = {0: AxisState.HOLD} | {int(state): state for state in AxisState}
 
@@ -231,6 +233,7 @@ class ChannelPort(_Area):
     optional_stop = BoolCommand("optional_stop", "M01 stops.")
     machine_lock = BoolCommand("machine_lock", "From the next program start on no axis moves.")
     read_disable = BoolCommand("read_disable", "Keep the interpolator from taking blocks.")
+    block_search_on = BoolCommand("block_search_on", "Agrees to a block search; FALSE again: what it put out is done.")
 
     def __init__(self, channel: Channel) -> None:
         super().__init__(channel.control)
@@ -369,6 +372,12 @@ class ChannelPort(_Area):
         """Path since program start, mm."""
         value: float = self._status.path_position_r * LENGTH
         return value
+
+    @property
+    def block_search(self) -> SearchState:
+        """Where a block search is: at WAIT_FOR_PLC_ON set `block_search_on` TRUE, at WAIT_FOR_PLC_OFF FALSE when all that was
+        put out meanwhile is done. A program that never sets it is not waited for."""
+        return _SEARCH_STATES[self._status.block_search_state_r]
 
     @property
     def waits_for_continue(self) -> bool:
