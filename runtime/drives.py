@@ -66,6 +66,7 @@ class DriveEvent(NamedTuple):
     node: int  # CANopen node id, 0 if the bus itself
     code: int  # EMCY error code, SDO abort code, CiA 402 error code, or 0
     text: str = ""  # what no code tells
+    bus: str = ""  # name of the bus in the machine description, "" the first one
 
 
 class DriveImage:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
     """Everything that does not fit together; locations count from the machine."""
     yield from _twice(machine)
+    yield from _buses(machine)
     yield from _shared_nodes(machine)
     yield from _unknown_axes(machine)
     yield from _spindle_axes(machine)
@@ -50,21 +51,41 @@ def _twice(machine: Machine) -> Iterator[Contradiction]:
 
 def _shared_nodes(machine: Machine) -> Iterator[Contradiction]:
     """A CANopen node id belongs to one device; the master is one too."""
-    owners: dict[int, str] = {machine.fieldbus.bus.master_node: "the master (fieldbus.bus.master_node)"}
-    used: list[tuple[int, str, Location]] = [
-        (axis.drive.node, f"axis {axis.name}", ("axes", index, "drive", "node"))
-        for index, axis in enumerate(machine.axes)
-        if axis.drive
-    ]
-    used += [
-        (io.node, f"I/O node fieldbus.io[{index}]", ("fieldbus", "io", index, "node"))
-        for index, io in enumerate(machine.fieldbus.io)
-    ]
-    for node, owner, location in used:
-        if node in owners:
-            yield Contradiction(errors.NODE_TWICE, location, {"node": node, "first": owners[node], "second": owner})
+    owners: dict[tuple[str, int], str] = {
+        (name, bus.master_node): f"the master (fieldbus.{f'buses.{name}' if name else 'bus'}.master_node)"
+        for name, bus in machine.fieldbus.all_buses().items()
+    }
+    for bus_name, node, owner, location in _nodes(machine):
+        if (bus_name, node) in owners:
+            values = {"node": node, "first": owners[bus_name, node], "second": owner}
+            yield Contradiction(errors.NODE_TWICE, (*location, "node"), values)
         else:
-            owners[node] = owner
+            owners[bus_name, node] = owner
+
+
+def _nodes(machine: Machine) -> Iterator[tuple[str, int, str, Location]]:
+    """Bus, node id, owner and place of every node."""
+    for index, axis in enumerate(machine.axes):
+        if axis.drive:
+            yield axis.drive.bus or "", axis.drive.node, f"axis {axis.name}", ("axes", index, "drive")
+    for index, io in enumerate(machine.fieldbus.io):
+        yield io.bus or "", io.node, f"I/O node fieldbus.io[{index}]", ("fieldbus", "io", index)
+
+
+def _buses(machine: Machine) -> Iterator[Contradiction]:
+    """A node is on a bus that is described; two buses are two channels."""
+    known = machine.fieldbus.all_buses()
+    for bus_name, _, owner, location in _nodes(machine):
+        if bus_name not in known:
+            values = {"owner": owner, "bus": bus_name, "known": ", ".join(machine.fieldbus.buses) or "none"}
+            yield Contradiction(errors.BUS_UNKNOWN, (*location, "bus"), values)
+    channels: dict[tuple[str, str], str] = {}
+    for name, bus in known.items():
+        key = (bus.interface, bus.channel)
+        if key in channels:
+            values = {"channel": bus.channel, "first": channels[key] or "fieldbus.bus", "second": name}
+            yield Contradiction(errors.BUS_TWICE, ("fieldbus", "buses", name, "channel"), values)
+        channels.setdefault(key, name)
 
 
 def _unknown(
@@ -173,17 +194,15 @@ def _differs(
 
 def _short_watchdogs(machine: Machine) -> Iterator[Contradiction]:
     """A time limit longer than what it watches, else it fires on a healthy machine."""
-    bus, plc = machine.fieldbus.bus, machine.plc
-    for what, timeout, of_what, cycle, location in (
-        ("The PLC watchdog", plc.watchdog, "the PLC cycle", plc.every * machine.cycle.period, ("plc", "watchdog")),
-        (
-            "The heartbeat timeout",
-            bus.heartbeat_timeout,
-            "the heartbeat's producer time",
-            bus.heartbeat,
-            ("fieldbus", "bus", "heartbeat_timeout"),
-        ),
-    ):
+    plc = machine.plc
+    watched: list[tuple[str, float, str, float, Location]] = [
+        ("The PLC watchdog", plc.watchdog, "the PLC cycle", plc.every * machine.cycle.period, ("plc", "watchdog"))
+    ]
+    for name, bus in machine.fieldbus.all_buses().items():
+        place: Location = ("fieldbus", "buses", name) if name else ("fieldbus", "bus")
+        what, of_what = "The heartbeat timeout", "the heartbeat's producer time"
+        watched.append((what, bus.heartbeat_timeout, of_what, bus.heartbeat, (*place, "heartbeat_timeout")))
+    for what, timeout, of_what, cycle, location in watched:
         if timeout <= cycle:
             values = {"what": what, "timeout": timeout, "cycle": cycle, "of_what": of_what}
             yield Contradiction(errors.WATCHDOG_TOO_SHORT, location, values)

@@ -114,6 +114,7 @@ class Drive(Model):
     """The CiA 402 drive of an axis."""
 
     node: int = Field(ge=1, le=127)
+    bus: str | None = None  # name in fieldbus.buses; default: fieldbus.bus
     increments_per_unit: float = Field(default=10_000.0, gt=0)  # per mm or degree
     eds: FileBeside | None = None  # default: the EDS of the simulated drive
     vendor_id: Identity | None = None  # checked at start when given (object 0x1018)
@@ -218,12 +219,16 @@ class Bus(Model):
     boot_timeout: Seconds = 5.0
     sync_counter: Annotated[int, Field(ge=2, le=240)] | None = None  # SYNC counts 1 to this (object 0x1019)
     time_stamp: Seconds | None = None  # the master sends TIME (0x100) this often
+    recovery: Literal["automatic", "manual"] = "automatic"  # of a bus that is gone; manual: by a reset
+    recovery_pause: Seconds = 0.2  # until it is tried again
+    recovery_count: Annotated[int, Field(ge=1)] | None = None  # without a reset between; default: as often as it likes
 
 
 class IoNode(Model):
     """A CiA 401 node; its inputs and outputs get the image bits that `inputs` and `outputs` name, in order."""
 
     node: int = Field(ge=1, le=127)
+    bus: str | None = None  # name in fieldbus.buses; default: fieldbus.bus
     eds: FileBeside | None = None
     vendor_id: Identity | None = None
     inputs: Several[str] = ()
@@ -234,9 +239,19 @@ class IoNode(Model):
     )
 
 
+BusName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,15}$")]
+
+
 class Fieldbus(Model):
+    """The buses with their nodes. All of them run in the same cycle, each with a SYNC of its own."""
+
     bus: Bus = Bus()
+    buses: Annotated[dict[BusName, Bus], Field(max_length=3)] = Field(default_factory=dict)  # further ones, by name
     io: Several[IoNode] = ()
+
+    def all_buses(self) -> dict[str, Bus]:
+        """Name → bus; the first one has the name ""."""
+        return {"": self.bus, **self.buses}
 
 
 class Plc(Model):

@@ -12,7 +12,7 @@ from typing import Final
 from canopen.nmt import NmtMaster
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from runtime.config.machine import Machine
+from runtime.config.machine import Bus, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus.dialogue import Dialogue, NodeDialogues, aborted, decoded, encoded, refused, silent
 from runtime.fieldbus.error_codes import nmt_state_text
@@ -29,6 +29,7 @@ class BootSequence:
     def __init__(
         self,
         machine: Machine,
+        bus: Bus,
         network: PolledNetwork,
         links: Links,
         dialogues: NodeDialogues,
@@ -36,7 +37,7 @@ class BootSequence:
         heard_master: Callable[[], bool],
     ) -> None:
         self._machine = machine
-        self._bus = machine.fieldbus.bus
+        self._bus = bus
         self._network = network
         self._links = links
         self._dialogues = dialogues
@@ -46,8 +47,8 @@ class BootSequence:
         for client in self.clients.values():
             client.network = network
 
-    def run(self) -> None:
-        """Bring every node to OPERATIONAL; raises FieldbusError. Optional nodes that are missing stay `booted` = False."""
+    def prepare(self) -> None:
+        """Check and configure every node; raises FieldbusError. Optional nodes that are missing stay `booted` = False."""
         self._listen()
         self._reset()
         present = [link for link in self._links if link.booted]
@@ -56,6 +57,10 @@ class BootSequence:
         for link in present:
             self._hold(link, self._dialogues.configure(link))
             self._hold(link, self._dialogues.first_values(link))
+
+    def launch(self) -> None:
+        """Bring every node that is there to OPERATIONAL; raises FieldbusError."""
+        present = [link for link in self._links if link.booted]
         for link in present:
             self._command(link.node, "OPERATIONAL")
             if link.guarded:

@@ -15,7 +15,7 @@ from typing import Final
 from canopen.objectdictionary import ObjectDictionaryError
 from canopen.sdo.exceptions import SdoAbortedError
 
-from runtime.config.machine import Machine
+from runtime.config.machine import Bus, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.drives import DriveImage
@@ -85,11 +85,11 @@ def interpolation_time(period: float) -> tuple[int, int]:
 
 
 class NodeDialogues:
-    """The dialogues of one machine's nodes."""
+    """The dialogues of the nodes of one bus of a machine."""
 
-    def __init__(self, machine: Machine, image: DriveImage) -> None:
+    def __init__(self, machine: Machine, bus: Bus, image: DriveImage) -> None:
         self._machine = machine
-        self._bus = machine.fieldbus.bus
+        self._bus = bus
         self._image = image
         self._interpolation = interpolation_time(machine.cycle.period)
 

@@ -17,8 +17,13 @@ def problem_of(event: DriveEvent, machine: Machine) -> Problem:
     if event.axis >= 0:
         owner = f"axis {machine.axes[event.axis].name}"
     else:
-        owner = next((f"I/O node {n}" for n, io in enumerate(machine.fieldbus.io) if io.node == event.node), "the bus")
-    values = {"owner": owner, "node": event.node, "code": event.code, "meaning": _meaning(event)}
+        place = event.node, event.bus
+        nodes = (f"I/O node {n}" for n, io in enumerate(machine.fieldbus.io) if (io.node, io.bus or "") == place)
+        owner = next(nodes, "the bus")
+    channel = f" {machine.fieldbus.all_buses()[event.bus].channel}" if machine.fieldbus.buses else ""
+    values = {
+        "owner": owner, "node": event.node, "code": event.code, "meaning": _meaning(event), "bus": channel,
+    }  # fmt: skip
     return Problem(CATALOGUE[event.error_id], values)
 
 
@@ -29,7 +34,7 @@ def _meaning(event: DriveEvent) -> str:
         return nmt_state_text(event.code)
     if event.error_id == catalogue.DRIVE_DISABLED.id:
         return DriveState(event.code).name.lower().replace("_", " ")
-    if event.error_id == catalogue.BUS_GONE.id:
+    if event.error_id in (catalogue.BUS_GONE.id, catalogue.ONE_BUS_GONE.id):
         return os.strerror(event.code).lower() if event.code else "frames can be neither sent nor received"
     if event.error_id == catalogue.DRIVE_FAULT.id and not event.code:
         return "the drive named no cause"

@@ -13,27 +13,28 @@ sleeps a little, in virtual time it lets the simulated nodes and the clock go on
 
 from __future__ import annotations
 
-import errno
-import struct
 import time
 from collections.abc import Callable
 from functools import partial
 from typing import Final
 
 import can
-import numpy as np
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
-from runtime.drives import DIGITAL_BYTES, DriveEvent, DriveImage, DriveState
+from runtime.diagnostics.errors import ErrorEntry
+from runtime.drives import DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
+from runtime.fieldbus.beat import Beat
 from runtime.fieldbus.boot import OPERATIONAL, BootSequence
 from runtime.fieldbus.described import make_links
-from runtime.fieldbus.dialogue import SYNC, TIME, NodeDialogues
+from runtime.fieldbus.dialogue import SYNC, NodeDialogues
 from runtime.fieldbus.errors import FieldbusError
-from runtime.fieldbus.exchange import IO_REFRESH
+from runtime.fieldbus.io_exchange import IoExchange
+from runtime.fieldbus.leaving import stop_all
 from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
 from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, fill
+from runtime.fieldbus.outage import Outage
 from runtime.fieldbus.questions import Questions
 from runtime.fieldbus.rejoin import Rejoin
 
@@ -41,14 +42,9 @@ MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the ne
 MAX_STALE_FRAMES: Final = 10_000
 LOAD_WINDOW: Final = 100  # cycles over which the bus load is taken
 HIGH_LOAD: Final = 0.9  # share of the bus, from which on a repeated frame makes a cycle late
-STOP_TIME: Final = 3.0  # s, the longest that stop() waits for the drives
-FAILURES_UNTIL_GONE: Final = 3  # cycles in a row with an error of the bus; a full transmit queue may pass by
-GONE_AT_ONCE: Final = frozenset({errno.ENETDOWN, errno.ENODEV, errno.ENXIO, errno.EBADF, errno.ENETUNREACH})
 BUS_ERRORS: Final = (can.CanError, OSError, ValueError)  # ValueError: select() on a closed socket
 ERROR_FRAME_BUS_OFF: Final = 0x40  # SocketCAN: CAN_ERR_BUSOFF
 BOOT_UP: Final = 0
-DAYS_1970_TO_1984: Final = 5113
-RECOVERY_PAUSE: Final = 0.2  # s after which a bus that is gone may be found working
 EMERGENCY_PAUSE: Final = 1.0  # s in which the same emergency of a node is told once
 RESTING: Final = (
     DriveState.OFFLINE,
@@ -59,11 +55,11 @@ RESTING: Final = (
 
 
 class CanopenMaster:
-    """A `DriveSystem` (runtime.drives) over CANopen.
+    """A `DriveSystem` (runtime.drives) over CANopen, or the part of one that is on the bus `name` of the machine description.
 
-    `now()` gives seconds of a clock that only goes forward; `idle()` must let it go forward; `wall_clock()` gives seconds since
-    1970, for the time stamps that nodes are told. The bus is the caller's:
-    it opens it and shuts it down.
+    Several masters of a machine share an `image` (runtime.fieldbus.several). `now()` gives seconds of a clock that only goes
+    forward; `idle()` must let it go forward; `wall_clock()` gives seconds since 1970, for the time stamps that nodes are told.
+    The bus is the caller's: it opens it and shuts it down.
     """
 
     def __init__(
@@ -74,10 +70,16 @@ class CanopenMaster:
         now: Callable[[], float],
         idle: Callable[[], None],
         wall_clock: Callable[[], float] = time.time,
+        name: str = "",
+        image: DriveImage | None = None,
     ) -> None:
-        self.image = DriveImage(len(machine.axes))
+        self.image = DriveImage(len(machine.axes)) if image is None else image
+        self._shares_image = image is not None
+        self.name = name
+        self.load = 0.0  # share of the bus, 0...1
         self._machine = machine
-        self._config = machine.fieldbus.bus
+        self._config = machine.fieldbus.all_buses()[name]
+        self._outage = Outage(self._config)
         self._period = machine.cycle.period
         self._bus = bus
         self._now = now
@@ -86,44 +88,31 @@ class CanopenMaster:
         self._network = PolledNetwork(bus)
         self._links: Links = []
         self._drives: list[DriveLink] = []
-        self._ios: list[IoLink] = []
-        self._guards: list[can.Message] = []  # requests to nodes without a heartbeat
         self._table: dict[int, Receiver] = {}
         self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
         self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
         self._questions: dict[int, Questions] = {}  # by node id: to nodes in operation
-        self._sync = can.Message(arbitration_id=SYNC, is_extended_id=False, dlc=1 if self._config.sync_counter else 0)
-        self._heartbeat = can.Message(
-            arbitration_id=0x700 + self._config.master_node, data=[OPERATIONAL], is_extended_id=False
-        )
-        self._virtual = [i for i, axis in enumerate(machine.axes) if axis.drive is None]
+        self._virtual = [i for i, axis in enumerate(machine.axes) if axis.drive is None and not name]
         self._forget()
 
     def _forget(self) -> None:
         """The state before the first cycle."""
         self._running = False
-        self._gone: DriveEvent | None = None
-        self._gone_at = 0.0
+        self._outage.forget()
         self._error_frames = 0
-        self._sending_works = False
         self._rejoins = {}
         self._questions = {}
         self._watching = False
-        self._failed = False  # an error of the bus in this cycle
-        self._failures = 0
         self._heard_master = False
-        self._next_heartbeat = 0.0
-        self._next_outputs = 0.0
-        self._next_time_stamp = 0.0
-        self._sync_count = 0
         self._cycle_time = 0.0
         self._bits = 0.0
         self._cycles = 0
-        self._input_bits = 0
-        self._last_outputs = b""
-        self.image.events.clear()
-        self.image.state[:] = DriveState.OFFLINE
-        self.image.fault_code[:] = 0
+        self.load = 0.0
+        guarded = [link.node for link in self._links if link.guarded]
+        self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
+        self._io = IoExchange(self.image, [link for link in self._links if isinstance(link, IoLink)], self._send)
+        if not self._shares_image:
+            forget(self.image)
 
     # -- before the first cycle --------------------------------------------------------------------------------------
 
@@ -132,39 +121,64 @@ class CanopenMaster:
 
         May be called again after `stop` or after nodes were lost. Raises FieldbusError (ids 303010 to 303040).
         """
+        self.prepare()
+        self.launch()
+
+    def prepare(self) -> None:
+        """The first part of `start`: nothing moves yet, and no node misses a heartbeat. Raises FieldbusError."""
+        self._links = self._own(make_links(self._machine))
         self._forget()
-        self._links = make_links(self._machine)
         self._drives = [link for link in self._links if isinstance(link, DriveLink)]
-        self._ios = [link for link in self._links if isinstance(link, IoLink)]
-        self._guards = [
-            can.Message(arbitration_id=0x700 + link.node, is_extended_id=False, is_remote_frame=True, dlc=1)
-            for link in self._links
-            if link.guarded
-        ]
         self._plan_load()
-        self._dialogues = NodeDialogues(self._machine, self.image)
-        boot = BootSequence(
-            self._machine, self._network, self._links, self._dialogues, self._wait, lambda: self._heard_master
+        self._dialogues = NodeDialogues(self._machine, self._config, self.image)
+        self._boot = BootSequence(
+            self._machine,
+            self._config,
+            self._network,
+            self._links,
+            self._dialogues,
+            self._wait,
+            lambda: self._heard_master,
         )
-        self._clients = boot.clients
+        self._clients = self._boot.clients
         self._table = self._receivers()
         try:
             for _ in range(MAX_STALE_FRAMES):  # what was on the bus before is of no interest
                 if self._bus.recv(0) is None:
                     break
-            boot.run()
+            self._boot.prepare()
         except BUS_ERRORS as error:
-            raise FieldbusError(catalogue.BUS_GONE, meaning=str(error)) from error
-        self._publish_inputs()
+            raise self._gone_at_start(error) from error
+
+    def launch(self) -> None:
+        """The second part of `start`: all nodes into operation. Cycles have to follow. Raises FieldbusError."""
+        try:
+            self._boot.launch()
+        except BUS_ERRORS as error:
+            raise self._gone_at_start(error) from error
+        self._io.publish()
         self._running = True
         self._cycle_time = self._now()
         for link in self._links:
             if not link.booted:
                 self._lose(link, catalogue.NODE_ABSENT.id)
 
+    def _gone_at_start(self, error: Exception) -> FieldbusError:
+        return FieldbusError(catalogue.BUS_GONE, meaning=str(error), bus=f" {self._config.channel}")
+
+    def _own(self, links: Links) -> Links:
+        """The nodes of this bus, of those of the machine."""
+        ios = iter(self._machine.fieldbus.io)
+        own: Links = []
+        for link in links:
+            described = self._machine.axes[link.axis].drive if isinstance(link, DriveLink) else next(ios)
+            if described is not None and (described.bus or "") == self.name:
+                own.append(link)
+        return own
+
     def _receivers(self) -> dict[int, Receiver]:
         table: dict[int, Receiver] = {SYNC: self._on_foreign_master}
-        table[self._heartbeat.arbitration_id] = self._on_foreign_master
+        table[self._beat.heartbeat.arbitration_id] = self._on_foreign_master
         for link in self._links:
             table |= link.receivers()
             table[0x080 + link.node] = partial(self._on_emergency, link)
@@ -198,7 +212,7 @@ class CanopenMaster:
         """Refuse what the wire cannot carry, before anybody is told to send it. Raises FieldbusError."""
         if self._config.interface != "socketcan":
             return  # no wire
-        planned = wire.planned_load(self._links, self._machine)
+        planned = wire.planned_load(self._links, self._config, self._period)
         if planned > 1.0:
             period_us = self._period * 1e6
             raise FieldbusError(
@@ -209,7 +223,7 @@ class CanopenMaster:
                 excess=round((planned - 1.0) * period_us),
             )
         if planned > HIGH_LOAD:
-            self.image.events.append(DriveEvent(catalogue.BUS_OVERLOADED.id, -1, 0, round(planned * 100)))
+            self._tell(catalogue.BUS_OVERLOADED, round(planned * 100))
 
     # -- the cycle ---------------------------------------------------------------------------------------------------
 
@@ -221,11 +235,10 @@ class CanopenMaster:
         if not self._running:
             return
         self._cycle_time = now = self._now()
-        if self._gone:
+        if self._outage.gone:
             self._look_for_bus(now)
             return
-        self._failures = self._failures + 1 if self._failed else 0
-        self._failed = False
+        self._outage.cycle()
         try:
             drained = self._receive()
         except BUS_ERRORS as error:
@@ -238,16 +251,20 @@ class CanopenMaster:
                 link.feedback(image, self._period)
         if drained:
             self._watch(now)
-        self._publish_inputs()
+        self._io.publish()
         self._measure_load()
 
     def write(self) -> None:
         """End of a cycle: send set-points, outputs and SYNC. Never blocks, never raises."""
+        self.write_set_points()
+        self.write_sync()
+
+    def write_set_points(self) -> None:
+        """The first part of `write`: what the nodes take over at the SYNC."""
         if not self._running:
             return
-        if self._gone:
-            if self._cycle_time >= self._next_heartbeat:
-                self._next_heartbeat = self._cycle_time + self._config.heartbeat
+        if self._outage.gone:
+            if self._outage.tried(self._cycle_time) and self._beat.heartbeat_due(self._cycle_time):
                 self._try_bus()
             return
         image = self.image
@@ -258,31 +275,20 @@ class CanopenMaster:
                 i = link.axis
                 link.command(image, (velocities if link.spindle else positions)[i], enable[i], quick_stop[i], reset[i])
                 self._send(link.message)
-            if self._ios:
-                self._send_outputs()
+            self._io.send_outputs(self._cycle_time)
             if self._rejoins:
                 self._step_rejoins()
-            self._send_sync()
-            self._send_heartbeat()
         except BUS_ERRORS as error:
             self._bus_failed(error)
 
-    def _send_sync(self) -> None:
-        """SYNC, counted if so configured; now and then the time before it."""
-        if self._config.time_stamp and self._cycle_time >= self._next_time_stamp:
-            self._next_time_stamp = self._cycle_time + self._config.time_stamp
-            self._send_data(TIME, time_of_day(self._wall_clock()))
-        if self._config.sync_counter:
-            self._sync_count = self._sync_count % self._config.sync_counter + 1
-            fill(self._sync, bytes((self._sync_count,)))
-        self._send(self._sync)
-
-    def _send_heartbeat(self) -> None:
-        if self._config.heartbeat and self._cycle_time >= self._next_heartbeat:
-            self._next_heartbeat = max(self._next_heartbeat + self._config.heartbeat, self._cycle_time)
-            self._send(self._heartbeat)
-            for request in self._guards:
-                self._send(request)
+    def write_sync(self) -> None:
+        """The second part of `write`."""
+        if not self._running or self._outage.gone:
+            return
+        try:
+            self._beat.sync(self._cycle_time)
+        except BUS_ERRORS as error:
+            self._bus_failed(error)
 
     def _send(self, message: can.Message) -> None:
         self._bus.send(message)
@@ -311,28 +317,6 @@ class CanopenMaster:
         self.image.frames_received += MAX_FRAMES_PER_READ
         return False
 
-    def _send_outputs(self) -> None:
-        """Outputs go out when they change, and now and then for nodes that missed it."""
-        outputs = self.image.digital_out.tobytes()
-        due = self._cycle_time >= self._next_outputs
-        if outputs == self._last_outputs and not due:
-            return
-        if due:
-            self._next_outputs = self._cycle_time + IO_REFRESH
-        self._last_outputs = outputs
-        bits = int.from_bytes(outputs, "little")
-        for link in self._ios:
-            if (link.command(bits) or due) and link.message is not None:
-                self._send(link.message)
-
-    def _publish_inputs(self) -> None:
-        bits = 0
-        for link in self._ios:
-            bits |= link.input_bits()
-        if bits != self._input_bits:
-            self._input_bits = bits
-            self.image.digital_in[:] = np.frombuffer(bits.to_bytes(DIGITAL_BYTES, "little"), dtype=np.uint8)
-
     def _move_virtual_axes(self) -> None:
         """Axes without a drive follow at once."""
         image = self.image
@@ -346,7 +330,9 @@ class CanopenMaster:
     def _measure_load(self) -> None:
         self._cycles += 1
         if self._cycles == LOAD_WINDOW:
-            self.image.bus_load = self._bits / (LOAD_WINDOW * self._period * self._config.bitrate)
+            self.load = self._bits / (LOAD_WINDOW * self._period * self._config.bitrate)
+            if not self._shares_image:
+                self.image.bus_load = self.load
             self._cycles, self._bits = 0, 0.0
 
     # -- what goes wrong ---------------------------------------------------------------------------------------------
@@ -372,7 +358,7 @@ class CanopenMaster:
         """The node is gone, its configuration may be lost: it has to go the whole way of the boot to come back."""
         if link.lost:
             return
-        link.loss = link.event(error_id, code)
+        link.loss = self._event(link, error_id, code)
         self.image.events.append(link.loss)
         self._put_out(link)
 
@@ -390,7 +376,9 @@ class CanopenMaster:
             joined = rejoin.step(self._cycle_time)
             if refusal := rejoin.refusal:
                 rejoin.refusal = None
-                event = rejoin.link.event(catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text)
+                event = self._event(
+                    rejoin.link, catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text
+                )
                 if rejoin.told is None or event.code != rejoin.told.code:  # tried again and again, told once
                     rejoin.told = event
                     self.image.events.append(event)
@@ -405,8 +393,8 @@ class CanopenMaster:
         if isinstance(link, DriveLink):
             link.fresh = False
         else:
-            self._next_outputs = 0.0  # it has to hear them, changed or not
-        self.image.events.append(link.event(catalogue.NODE_REJOINED.id, 0, _moved(link)))
+            self._io.refresh()  # it has to hear them, changed or not
+        self.image.events.append(self._event(link, catalogue.NODE_REJOINED.id, 0, _moved(link)))
 
     def _send_data(self, cob_id: int, data: bytes) -> None:
         message = can.Message(arbitration_id=cob_id, is_extended_id=False, dlc=len(data))
@@ -441,7 +429,7 @@ class CanopenMaster:
             before, told = link.last_emergency
             if code != before or self._cycle_time - told >= EMERGENCY_PAUSE:  # a storm must not bury the other alarms
                 link.last_emergency = code, self._cycle_time
-                self.image.events.append(link.event(catalogue.EMERGENCY.id, code))
+                self.image.events.append(self._event(link, catalogue.EMERGENCY.id, code))
         else:
             code = 0  # error reset
         if link.axis >= 0:
@@ -449,55 +437,66 @@ class CanopenMaster:
 
     def _on_error_frame(self, error_class: int) -> None:
         if error_class & ERROR_FRAME_BUS_OFF and self._running:
-            self._bus_gone(catalogue.BUS_OFF.id, 0)
+            self._bus_gone(catalogue.ONE_BUS_OFF if self._machine.fieldbus.buses else catalogue.BUS_OFF, 0)
 
     def _bus_failed(self, error: Exception) -> None:
-        if self._gone:
-            return
-        self._failed = True
         code = getattr(error, "error_code", None) or getattr(error, "errno", None) or 0
-        if code in GONE_AT_ONCE or self._failures >= FAILURES_UNTIL_GONE - 1:
-            self._bus_gone(catalogue.BUS_GONE.id, code)
+        if not self._outage.gone and self._outage.failed(code):
+            self._bus_gone(catalogue.ONE_BUS_GONE if self._machine.fieldbus.buses else catalogue.BUS_GONE, code)
 
-    def _bus_gone(self, error_id: int, code: int) -> None:
-        self._sending_works = False
-        if self._gone:
+    def _bus_gone(self, entry: ErrorEntry, code: int) -> None:
+        outage = self._outage
+        outage.sending_works = False
+        if outage.gone:
             return
-        self._gone = DriveEvent(error_id, -1, 0, code)
-        self._gone_at = self._cycle_time
         for link in self._links:
-            link.loss = link.loss or link.event(catalogue.HEARTBEAT_LOST.id)
+            link.loss = link.loss or self._event(link, catalogue.HEARTBEAT_LOST.id)
             self._put_out(link)
-        self._publish_inputs()
-        self.image.bus_load = 0.0
-        self.image.events.append(self._gone)
+        self._io.publish()
+        self.load = 0.0
+        if not self._shares_image:
+            self.image.bus_load = 0.0
+        outage.begin(self._tell(entry, code), self._cycle_time)
+        if outage.waits:
+            self._tell(catalogue.BUS_WAITS, outage.recoveries)
 
     def _look_for_bus(self, now: float) -> None:
-        """The bus is gone: that frames go out and a frame of somebody else comes in is the proof that it works again.
-
-        That sending succeeds proves little: an interface without carrier takes frames into its queue.
-        """
+        """The bus is gone: that frames go out and a frame of somebody else comes in is the proof that it works again."""
         before = self.image.frames_received - self._error_frames
         try:
             self._receive()
         except BUS_ERRORS:
             return
         heard = self.image.frames_received - self._error_frames > before
-        if not (heard and self._sending_works and now - self._gone_at >= RECOVERY_PAUSE):
-            return
-        self._gone = None
-        self._failures, self._failed = 0, False
-        self._cycles, self._bits = 0, 0.0
-        self.image.events.append(DriveEvent(catalogue.BUS_BACK.id, -1, 0, 0))
+        if heard and self._outage.heard(now):
+            self._cycles, self._bits = 0, 0.0
+            self._tell(catalogue.BUS_BACK)
 
     def _try_bus(self) -> None:
         """Heartbeats into a bus that is gone: nodes that have fallen silent hear that the master lives."""
         try:
-            self._send(self._heartbeat)
+            self._send(self._beat.heartbeat)
         except BUS_ERRORS:
-            self._sending_works = False
+            self._outage.sending_works = False
         else:
-            self._sending_works = True
+            self._outage.sending_works = True
+
+    def tell_again(self) -> None:
+        """After a reset: what is still lost, because the machine must not go on without it."""
+        self._outage.reset()
+        if self._outage.gone is not None:
+            self.image.events.append(self._outage.gone)
+            return
+        self.image.events.extend(link.loss for link in self._links if link.loss is not None and not link.optional)
+
+    def _event(self, link: DriveLink | IoLink, error_id: int, code: int = 0, text: str = "") -> DriveEvent:
+        return link.event(error_id, code, text)._replace(bus=self.name)
+
+    def _tell(self, entry: ErrorEntry, code: int = 0) -> DriveEvent:
+        """An event of the bus itself."""
+        event = DriveEvent(entry.id, -1, 0, code, bus=self.name)
+        self.image.events.append(event)
+        return event
 
     def questions(self, link: DriveLink | IoLink) -> Questions:
         """For SDO accesses to a node in operation, between the set-points. What sending raises comes through."""
@@ -510,31 +509,37 @@ class CanopenMaster:
                 return link
         raise KeyError(axis)
 
-    def tell_again(self) -> None:
-        """After a reset: what is still lost, because the machine must not go on without it."""
-        if self._gone is not None:
-            self.image.events.append(self._gone)
-            return
-        self.image.events.extend(link.loss for link in self._links if link.loss is not None and not link.optional)
-
     # -- the end -----------------------------------------------------------------------------------------------------
 
     def stop(self) -> None:
         """Disable the drives in order, outputs off, nodes to pre-operational. At most some seconds; never raises."""
-        if not self._running:
-            return
-        image = self.image
-        image.enable[:] = False
-        image.reset_fault[:] = False
-        end = self._now() + STOP_TIME
-        while not self._gone and self._now() < end:
-            self._stop_cycle()
-            if all(link.control.state in RESTING for link in self._drives):
-                break
-        image.digital_out[:] = 0
-        self._next_outputs = 0.0
-        if not self._gone:
-            self._stop_cycle()
+        stop_all([self], self.image, self._now)
+
+    @property
+    def resting(self) -> bool:
+        """Nothing on this bus moves any more, or nobody can be told to stop."""
+        return (
+            bool(self._outage.gone) or not self._running or all(link.control.state in RESTING for link in self._drives)
+        )
+
+    @property
+    def running(self) -> bool:
+        """Whether cycles are to follow."""
+        return self._running
+
+    def refresh_outputs(self) -> None:
+        """The next outputs go out whether they changed or not."""
+        self._io.refresh()
+
+    def pass_a_cycle(self) -> None:
+        """Let a period go by, with the frames that come. Never raises."""
+        try:
+            self._wait(lambda: False, self._period)
+        except BUS_ERRORS as error:
+            self._bus_failed(error)
+
+    def leave(self) -> None:
+        """The last word: all nodes to pre-operational. Never raises."""
         self._running = False
         try:
             for link in self._links:
@@ -542,13 +547,12 @@ class CanopenMaster:
         except BUS_ERRORS:
             pass  # a bus that is gone needs no good-bye
 
-    def _stop_cycle(self) -> None:
-        self.read()
-        self.write()
-        try:
-            self._wait(lambda: False, self._period)
-        except BUS_ERRORS as error:
-            self._bus_failed(error)
+
+def forget(image: DriveImage) -> None:
+    """The image before the first cycle."""
+    image.events.clear()
+    image.state[:] = DriveState.OFFLINE
+    image.fault_code[:] = 0
 
 
 def _moved(link: DriveLink | IoLink) -> str:
@@ -556,9 +560,3 @@ def _moved(link: DriveLink | IoLink) -> str:
     if not isinstance(link, DriveLink) or not link.moved:
         return ""
     return f"; it was moved by {link.moved / link.increments_per_unit:+.3f} meanwhile"
-
-
-def time_of_day(seconds: float) -> bytes:
-    """TIME_OF_DAY of CiA 301 for a time in s since 1970: ms since midnight, days since 1984, UTC."""
-    days, in_day = divmod(seconds, 86_400.0)
-    return struct.pack("<IH", int(in_day * 1000.0), int(days) - DAYS_1970_TO_1984)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-from runtime.config.machine import Machine
+from runtime.config.machine import Bus
 from runtime.fieldbus.exchange import IO_REFRESH
 from runtime.fieldbus.links import Links
 from runtime.fieldbus.pdo import LAST_SYNCHRONOUS
@@ -21,9 +21,8 @@ def load(data_lengths: Iterable[int], seconds: float, bitrate: float) -> float:
     return sum(FRAME_BITS[n] for n in data_lengths) / (seconds * bitrate)
 
 
-def planned_load(links: Links, machine: Machine) -> float:
-    """Share of the bus that the process data and heartbeats of a machine take, 0...1 and above."""
-    period, bus = machine.cycle.period, machine.fieldbus.bus
+def planned_load(links: Links, bus: Bus, period: float) -> float:
+    """Share of a bus that the process data and heartbeats of its nodes take at a cycle of `period` s, 0...1 and above."""
     bits = FRAME_BITS[1 if bus.sync_counter else 0] / period
     for link in links:
         for plan, layout in link.layouts.items():

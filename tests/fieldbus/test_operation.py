@@ -282,7 +282,7 @@ def test_a_wire_too_slow_for_the_cycle_is_refused(bitrate: int) -> None:
         with pytest.raises(FieldbusError) as refusal:
             master.start()
         assert refusal.value.problem.entry is catalogue.BUS_TOO_SLOW
-        planned = wire.planned_load(make_links(machine), machine)
+        planned = wire.planned_load(make_links(machine), slow, machine.cycle.period)
         assert f"{round(planned * 1000) - 1000} µs more than the cycle of 1000 µs" in refusal.value.problem.text
 
 
@@ -302,7 +302,7 @@ def test_bus_load_is_measured(rig: Rig) -> None:
     rig.cycle(300)
     # four set-points and four feedbacks of 6 bytes, a SYNC: nearly all that 1 Mbit/s has in 1 ms
     assert 0.8 < rig.image.bus_load < 1.0
-    planned = wire.planned_load(make_links(rig.machine), rig.machine)
+    planned = wire.planned_load(make_links(rig.machine), rig.machine.fieldbus.bus, rig.machine.cycle.period)
     assert rig.image.bus_load == pytest.approx(planned, rel=0.01)
 
 

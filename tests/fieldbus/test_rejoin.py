@@ -12,8 +12,8 @@ from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DriveState
+from runtime.fieldbus.beat import time_of_day
 from runtime.fieldbus.cia402 import POSITION_ACTUAL
-from runtime.fieldbus.master import time_of_day
 from runtime.fieldbus.simulator import Fault
 from tests.fieldbus.rig import Rig, demo_description
 from tests.fieldbus.test_operation import ENABLED, Failing, X, Y, Z, ids, move

@@ -224,6 +224,16 @@ TO_FILL_IN = ErrorEntry(
     remedy="Put the value of your machine in the place of the angle brackets; config/machine.yaml of the distribution shows "
     "every key with its unit.",
 )
+BUS_UNKNOWN = ErrorEntry(
+    302046,
+    "{owner} is on the bus {bus!r}, which is not described",
+    remedy="Describe it under fieldbus.buses, or name one of these: {known}; without a name it is on fieldbus.bus.",
+)
+BUS_TWICE = ErrorEntry(
+    302047,
+    "The channel {channel} is that of two buses, {first} and {second}",
+    remedy="Each bus has a channel (a CAN interface) of its own.",
+)
 ERROR_TEXTS = ErrorEntry(
     302090,
     "The error texts in {file} cannot be used: {reason}",

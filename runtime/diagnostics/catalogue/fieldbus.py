@@ -195,21 +195,43 @@ SETPOINT_INVALID = ErrorEntry(
 )
 BUS_GONE = ErrorEntry(
     303040,
-    "the bus is gone: {meaning}",
+    "the bus{bus} is gone: {meaning}",
     severity=Severity.FATAL,
     reaction=Reaction.QUICK_STOP,
     remedy="check the CAN adapter and the cable, then acknowledge (reset)",
 )
 BUS_OFF = ErrorEntry(
     303041,
-    "the CAN controller switched itself off the bus (bus off)",
+    "the CAN controller switched itself off the bus{bus} (bus off)",
     severity=Severity.FATAL,
     reaction=Reaction.QUICK_STOP,
     remedy="check terminators, cable and bit rate, then acknowledge (reset)",
 )
+# One of several buses is gone: the drives of the others still follow, so the path is braked as for a node that is lost.
+ONE_BUS_GONE = ErrorEntry(
+    303060,
+    "the bus{bus} is gone: {meaning}; the axes on other buses brake on the path",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check the CAN adapter and the cable, then acknowledge (reset)",
+)
+ONE_BUS_OFF = ErrorEntry(
+    303061,
+    "the CAN controller switched itself off the bus{bus} (bus off); the axes on other buses brake on the path",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check terminators, cable and bit rate, then acknowledge (reset)",
+)
+BUS_WAITS = ErrorEntry(
+    303062,
+    "the bus{bus} came back {code} times by itself; now it stays off until it is acknowledged",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="remove the cause, then acknowledge (reset): the bus is tried again (recovery, recovery_count of the bus)",
+)
 BUS_OVERLOADED = ErrorEntry(
     303042,
-    "the frames of one cycle need {code} % of the bus",
+    "the frames of one cycle need {code} % of the bus{bus}",
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
     remedy="choose a longer cycle, or a higher bit rate",
@@ -237,7 +259,7 @@ NODE_ABSENT = ErrorEntry(
 )
 BUS_BACK = ErrorEntry(
     303046,
-    "the bus works again; its nodes are taken into operation",
+    "the bus{bus} works again; its nodes are taken into operation",
     severity=Severity.MESSAGE,
     reaction=Reaction.NONE,
     remedy="acknowledge (reset) when all nodes are back",
