@@ -15,7 +15,7 @@ import can
 from can.interfaces.socketcan import SocketcanBus
 from can.interfaces.virtual import VirtualBus
 
-from runtime.config.machine import Bus
+from runtime.config.machine import Bus, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.fieldbus.errors import FieldbusError
@@ -66,6 +66,19 @@ def open_bus(config: Bus) -> can.BusABC:
     if config.interface == "udp_multicast":
         _check_route(config, bus)
     return bus
+
+
+def open_buses(machine: Machine) -> dict[str, can.BusABC]:
+    """All buses of a machine, by their names. The caller shuts them down. Raises FieldbusError; then none stays open."""
+    opened: dict[str, can.BusABC] = {}
+    try:
+        for name, config in machine.fieldbus.all_buses().items():
+            opened[name] = open_bus(config)
+    except FieldbusError:
+        for bus in opened.values():
+            bus.shutdown()
+        raise
+    return opened
 
 
 def _check_group(config: Bus) -> None:

@@ -25,8 +25,8 @@ from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, TandemError
 from runtime.diagnostics.events import EventRing
 from runtime.drives import DriveSystem
-from runtime.fieldbus.bus import open_bus
-from runtime.fieldbus.master import CanopenMaster
+from runtime.fieldbus.bus import open_buses
+from runtime.fieldbus.several import drive_system
 from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
 from runtime.scheduler import names
@@ -52,14 +52,14 @@ class CycleProcess:
     def __init__(self, machine: Machine, name: str, wake_descriptor: int) -> None:
         self.machine = machine
         n_axes = len(machine.channels[0].axes)
-        self._bus = open_bus(machine.fieldbus.bus)  # first: what refuses to start leaves no memory behind
+        self._buses = open_buses(machine)  # first: what refuses to start leaves no memory behind
         self.memory = HliMemory.create(name)
         self.events = EventRing(names.events(name))
         self.queue = MotionQueue(n_axes, names.queue(name, 0))
         self.link = PreparationLink(n_axes, names.link(name, 0))
         self.statistics = CycleStatistics(names.statistics(name))
-        self.drives: DriveSystem = CanopenMaster(
-            machine, self._bus, now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
+        self.drives: DriveSystem = drive_system(
+            machine, self._buses, now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
         )
         plc = PlcProcess(wake_descriptor, self.memory.hli) if machine.plc.program else None
         self.controller = Controller(
@@ -180,7 +180,8 @@ class CycleProcess:
     def close(self, *, clean: bool) -> None:
         """Leave bus and shared memories; after a failure HLI and events stay for whoever looks for the cause."""
         self.memory.hli.head.running_r = False
-        self._bus.shutdown()
+        for bus in self._buses.values():
+            bus.shutdown()
         self.events.close(unlink=clean)
         self.queue.close(unlink=True)
         self.link.close(unlink=True)

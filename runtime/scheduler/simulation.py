@@ -165,13 +165,19 @@ class Simulation:
             return drives, step_plant
         import can
 
-        from runtime.fieldbus.master import CanopenMaster
+        from runtime.fieldbus.several import drive_system
         from runtime.fieldbus.simulator import SimulatedNodes
 
-        name = f"tandem-simulation-{next(_instances)}"
-        nodes_bus, master_bus = (can.Bus(name, interface="virtual") for _ in range(2))
-        self._leave_bus = [nodes_bus.shutdown, master_bus.shutdown]
-        self.nodes = SimulatedNodes(self.machine, nodes_bus, plant=self.plant)
+        instance = next(_instances)
+        nodes_buses, master_buses = (
+            {
+                name: can.Bus(f"tandem-simulation-{instance}-{name}", interface="virtual")
+                for name in self.machine.fieldbus.all_buses()
+            }
+            for _ in range(2)
+        )
+        self._leave_bus = [bus.shutdown for bus in (*nodes_buses.values(), *master_buses.values())]
+        self.nodes = SimulatedNodes(self.machine, nodes_buses, plant=self.plant)
 
         def step() -> None:
             self.nodes.step(self.time)
@@ -180,7 +186,7 @@ class Simulation:
             self.clock.wait()
             step()
 
-        return CanopenMaster(self.machine, master_bus, now=lambda: self.time, idle=idle), step
+        return drive_system(self.machine, master_buses, now=lambda: self.time, idle=idle), step
 
     def _trace_block(self, block: Block) -> None:
         if self.writer is not None:

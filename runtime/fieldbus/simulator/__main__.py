@@ -9,10 +9,11 @@ import argparse
 import contextlib
 import gc
 import os
+import select
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import FrameType
 
@@ -21,34 +22,42 @@ import can
 from runtime.config import ConfigurationError, load_machine
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue.fieldbus import NODE_TAKEN
-from runtime.fieldbus.bus import open_bus
+from runtime.fieldbus.bus import open_buses
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.simulator.commands import CommandLines
 from runtime.fieldbus.simulator.encoder import EncoderFile
-from runtime.fieldbus.simulator.nodes import SimulatedNodes
+from runtime.fieldbus.simulator.nodes import SimulatedBus, SimulatedNodes
 
 LONGEST_WAIT = 0.01  # s; heartbeats, plant and signals are looked after at least this often
 TAKEN_LIMIT = 2.0  # s that the nodes of a machine that is being switched off get to fall silent
 ORPHAN_SILENCE = 1.0  # s without a frame, after which an orphan ends: the master may still be braking the axes
 
 
-def refuse_taken_nodes(machine: Machine, bus: can.BusABC, now: Callable[[], float]) -> None:
+def refuse_taken_nodes(machine: Machine, bus: can.BusABC, now: Callable[[], float], name: str = "") -> None:
     """Nodes of the same ids on one bus would answer for each other. Raises FieldbusError, can.CanError."""
-    nodes = [axis.drive.node for axis in machine.axes if axis.drive] + [io.node for io in machine.fieldbus.io]
+    config = machine.fieldbus.all_buses()[name]
+    nodes = [axis.drive.node for axis in machine.axes if axis.drive and (axis.drive.bus or "") == name]
+    nodes += [io.node for io in machine.fieldbus.io if (io.bus or "") == name]
     end, silent_since = now() + TAKEN_LIMIT, now()
-    while now() < silent_since + 2.5 * machine.fieldbus.bus.heartbeat:
+    while now() < silent_since + 2.5 * config.heartbeat:
         message = bus.recv(LONGEST_WAIT)
         if message is None or message.arbitration_id - 0x700 not in nodes:
             continue
         silent_since = now()
         if silent_since > end:
             node = message.arbitration_id - 0x700
-            raise FieldbusError(NODE_TAKEN, node=node, channel=machine.fieldbus.bus.channel)
+            raise FieldbusError(NODE_TAKEN, node=node, channel=config.channel)
+
+
+def ready(nodes: SimulatedNodes, seconds: float) -> list[SimulatedBus]:
+    """The buses from which a frame may be had, as soon as there is one, or after `seconds`."""
+    buses = list(nodes.buses.values())
+    waiting = select.select([bus.bus.fileno() for bus in buses], [], [], seconds)[0]
+    return [bus for bus in buses if bus.bus.fileno() in waiting]
 
 
 def serve(
     nodes: SimulatedNodes,
-    bus: can.BusABC,
     now: Callable[[], float],
     stopped: Callable[[float], bool],
     step: float,
@@ -59,11 +68,10 @@ def serve(
     nodes.step(now())
     stepped = heard = now()
     while not stopped(stepped - heard):
-        message = bus.recv(step)
-        if message is not None:
+        count = sum(bus.poll(now()) for bus in ready(nodes, step))
+        if count:
             heard = now()
-            nodes.receive(message, now())
-        if message is None or now() - stepped >= step:
+        if not count or now() - stepped >= step:
             stepped = now()
             nodes.step(stepped)
             if commands is not None:
@@ -89,11 +97,12 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         machine = load_machine(options.machine)
         encoders = EncoderFile(options.state) if options.state else None
-        bus = open_bus(machine.fieldbus.bus)
+        buses = open_buses(machine)
         try:
-            refuse_taken_nodes(machine, bus, time.monotonic)
+            for name, bus in buses.items():
+                refuse_taken_nodes(machine, bus, time.monotonic, name)
         except FieldbusError:
-            bus.shutdown()
+            _close(buses)
             raise
     except (OSError, ConfigurationError, FieldbusError) as error:
         print(f"simulator: {error}", file=sys.stderr)
@@ -111,7 +120,7 @@ def main(arguments: list[str] | None = None) -> int:
     def stopped(silence: float) -> bool:
         return ended or (silence > ORPHAN_SILENCE and options.exit_with_parent and os.getppid() != parent)
 
-    nodes = SimulatedNodes(machine, bus, encoders=encoders)
+    nodes = SimulatedNodes(machine, buses, encoders=encoders)
     with contextlib.suppress(OSError):  # real drives have processors of their own
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(max(machine.cycle.priority - 5, 1)))
     # the dictionaries are thousands of objects that live for ever: no need to look through them again and again
@@ -119,15 +128,20 @@ def main(arguments: list[str] | None = None) -> int:
     gc.freeze()
     try:
         commands = CommandLines(sys.stdin.fileno()) if options.commands else None
-        serve(nodes, bus, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period), commands)
+        serve(nodes, time.monotonic, stopped, min(LONGEST_WAIT, 2 * machine.cycle.period), commands)
     except (can.CanError, OSError) as error:
         print(f"simulator: the bus is gone: {error}", file=sys.stderr)
         return 1
     finally:
-        bus.shutdown()
+        _close(buses)
         if encoders:
             encoders.close()
     return 0
+
+
+def _close(buses: Mapping[str, can.BusABC]) -> None:
+    for bus in buses.values():
+        bus.shutdown()
 
 
 if __name__ == "__main__":

@@ -7,17 +7,19 @@ from typing import Final
 
 import numpy as np
 
-NODES: Final = 128
+NODES: Final = 512  # 128 a bus
 
 
 class EncoderFile:
-    """Positions in increments by node id, in a memory-mapped file of 128 little-endian float64."""
+    """Positions in increments by node id, in a memory-mapped file of 512 little-endian float64."""
 
     def __init__(self, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         size = NODES * 8
-        if not path.exists() or path.stat().st_size != size:
-            path.write_bytes(bytes(size))
+        missing = size - path.stat().st_size if path.exists() else size
+        if missing > 0:  # a file of earlier versions has room for one bus
+            with path.open("ab") as file:
+                file.write(bytes(missing))
         self._positions = np.memmap(path, dtype="<f8", mode="r+", shape=(NODES,))
 
     def __getitem__(self, node: int) -> float:

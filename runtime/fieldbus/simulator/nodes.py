@@ -6,6 +6,8 @@ master both are called between its write() and its read(); in a process of their
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import can
 
 from runtime.config.machine import Machine
@@ -21,6 +23,7 @@ from runtime.fieldbus.simulator.plant import SimulatedPlant
 
 OTHER_VENDOR = 0x1234
 MAX_FRAMES_PER_POLL = 128
+NODES_PER_BUS = 128
 
 
 class NodeNetwork(PolledNetwork):
@@ -35,51 +38,18 @@ class NodeNetwork(PolledNetwork):
             super().send_message(can_id, data, remote)
 
 
-class SimulatedNodes:
-    """The nodes of `machine` on `bus`, by the node id that the machine description gives them.
+class SimulatedBus:
+    """One bus and the nodes on it, by their node id at the start."""
 
-    `encoders` keeps the positions across restarts.
-    """
-
-    def __init__(
-        self,
-        machine: Machine,
-        bus: can.BusABC,
-        *,
-        plant: SimulatedPlant | None = None,
-        encoders: EncoderFile | None = None,
-    ) -> None:
-        self._bus = bus
-        self._network = NodeNetwork(bus)
-        self._encoders = encoders
+    def __init__(self, bus: can.BusABC) -> None:
+        self.bus = bus
+        self.network = NodeNetwork(bus)
+        self.nodes: dict[int, SimulatedNode] = {}
         self._now = 0.0
-        self._powered = False
-        self.plant = plant or SimulatedPlant()
-        self.drives: dict[int, SimulatedDrive] = {}
-        self.ios: dict[int, SimulatedIo] = {}
-        # A simulated node has the dictionary of our own EDS, whatever the real device would have.
-        for axis in machine.axes:
-            if drive := axis.drive:
-                position = encoders[drive.node] if encoders else 0.0
-                eds = eds_path(None, DRIVE_EDS)
-                self.drives[drive.node] = SimulatedDrive(drive.node, eds, self._network, drive.simulated, position)
-        for io in machine.fieldbus.io:
-            eds = eds_path(None, IO_EDS)
-            self.ios[io.node] = SimulatedIo(io.node, eds, self._network, io.inputs, io.outputs)
-        self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
-        self._network.subscribe(SYNC, self._on_sync)
-        self._network.subscribe(TO_SLAVES, self._on_lss)
+        self.network.subscribe(SYNC, self._on_sync)
+        self.network.subscribe(TO_SLAVES, self._on_lss)
         for node in range(1, 128):
-            self._network.subscribe(0x700 + node, self._on_heartbeat)
-
-    def power_on(self, now: float) -> None:
-        """All nodes boot; done by the first `step` if not before."""
-        self._powered = True
-        self._now = now
-        self._network.step(now)
-        self._step_plant()
-        for node in self.nodes.values():
-            node.power_on(now)
+            self.network.subscribe(0x700 + node, self._on_heartbeat)
 
     def poll(self, now: float) -> int:
         """Handle the frames that have come, at the time `now` (s); their number.
@@ -87,47 +57,22 @@ class SimulatedNodes:
         Bounded: on a busy computer frames can come as fast as they are handled, and heartbeats must go out all the
         same.
         """
-        self._now = now
         for count in range(MAX_FRAMES_PER_POLL):
-            message = self._bus.recv(0)
+            message = self.bus.recv(0)
             if message is None:
                 return count
-            self._hear(message)
+            self.hear(message, now)
         return MAX_FRAMES_PER_POLL
 
-    def receive(self, message: can.Message, now: float) -> None:
-        """Handle one frame that somebody else took from the bus."""
+    def hear(self, message: can.Message, now: float) -> None:
+        """Handle one frame."""
         self._now = now
-        self._hear(message)
-
-    def _hear(self, message: can.Message) -> None:
         if message.is_remote_frame:
             for node in self.nodes.values():
                 if node.id == message.arbitration_id - 0x700:
-                    node.on_guard(self._now)
+                    node.on_guard(now)
             return
-        self._network.receive(message)
-
-    def step(self, now: float) -> None:
-        """Let the time be `now` (s): heartbeats, frames, plant, motion, event-driven frames."""
-        if not self._powered:
-            self.power_on(now)
-        self._network.step(now)
-        self.poll(now)
-        self._step_plant()
-        for node in self.nodes.values():
-            node.step(now)
-        if self._encoders:
-            for drive in self.drives.values():
-                self._encoders[drive.id] = drive.servo.position
-
-    def _step_plant(self) -> None:
-        outputs: dict[str, bool] = {}
-        for io in self.ios.values():
-            outputs |= io.output_states()
-        inputs = self.plant.step(self._now, outputs)
-        for io in self.ios.values():
-            io.set_inputs(inputs)
+        self.network.receive(message)
 
     def _on_sync(self, can_id: int, data: bytearray, timestamp: float) -> None:
         for node in self.nodes.values():
@@ -143,13 +88,102 @@ class SimulatedNodes:
             if not node.silent:
                 node.on_heartbeat(can_id - 0x700, self._now)
 
+
+class SimulatedNodes:
+    """The nodes of `machine` on its bus or buses, by the node id that the machine description gives them.
+
+    Those of the second bus count on from 128, those of the third from 256. `encoders` keeps the positions across restarts.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        bus: can.BusABC | Mapping[str, can.BusABC],
+        *,
+        plant: SimulatedPlant | None = None,
+        encoders: EncoderFile | None = None,
+    ) -> None:
+        buses = bus if isinstance(bus, Mapping) else {"": bus}
+        self.buses = {name: SimulatedBus(opened) for name, opened in buses.items()}
+        self._encoders = encoders
+        self._now = 0.0
+        self._powered = False
+        self.plant = plant or SimulatedPlant()
+        self.drives: dict[int, SimulatedDrive] = {}
+        self.ios: dict[int, SimulatedIo] = {}
+        # A simulated node has the dictionary of our own EDS, whatever the real device would have.
+        for axis in machine.axes:
+            if drive := axis.drive:
+                number, on = self._place(drive.bus, drive.node)
+                position = encoders[number] if encoders else 0.0
+                eds = eds_path(None, DRIVE_EDS)
+                self.drives[number] = SimulatedDrive(drive.node, eds, on.network, drive.simulated, position)
+                on.nodes[drive.node] = self.drives[number]
+        for io in machine.fieldbus.io:
+            number, on = self._place(io.bus, io.node)
+            eds = eds_path(None, IO_EDS)
+            self.ios[number] = SimulatedIo(io.node, eds, on.network, io.inputs, io.outputs)
+            on.nodes[io.node] = self.ios[number]
+        self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
+
+    def _place(self, bus: str | None, node: int) -> tuple[int, SimulatedBus]:
+        """Number of a node among all, and its bus."""
+        name = bus or ""
+        return list(self.buses).index(name) * NODES_PER_BUS + node, self.buses[name]
+
+    @property
+    def _network(self) -> NodeNetwork:
+        """Of the first bus."""
+        return self.buses[""].network
+
+    def power_on(self, now: float) -> None:
+        """All nodes boot; done by the first `step` if not before."""
+        self._powered = True
+        self._now = now
+        for bus in self.buses.values():
+            bus.network.step(now)
+        self._step_plant()
+        for node in self.nodes.values():
+            node.power_on(now)
+
+    def poll(self, now: float) -> int:
+        """Handle the frames that have come, at the time `now` (s); their number, which is bounded."""
+        self._now = now
+        return sum(bus.poll(now) for bus in self.buses.values())
+
+    def step(self, now: float) -> None:
+        """Let the time be `now` (s): heartbeats, frames, plant, motion, event-driven frames."""
+        if not self._powered:
+            self.power_on(now)
+        self._now = now
+        for bus in self.buses.values():
+            bus.network.step(now)
+            bus.poll(now)
+        self._step_plant()
+        for node in self.nodes.values():
+            node.step(now)
+        if self._encoders:
+            for number, drive in self.drives.items():
+                self._encoders[number] = drive.servo.position
+
+    def _step_plant(self) -> None:
+        outputs: dict[str, bool] = {}
+        for io in self.ios.values():
+            outputs |= io.output_states()
+        inputs = self.plant.step(self._now, outputs)
+        for io in self.ios.values():
+            io.set_inputs(inputs)
+
+    def _bus_of(self, node: SimulatedNode) -> NodeNetwork:
+        return next(bus.network for bus in self.buses.values() if bus.network is node.network)
+
     def inject(self, node: int, fault: Fault, code: int = OVER_CURRENT) -> None:
         """Do something bad to a node; `code` is the error code of a drive fault. Raises KeyError: no such node."""
         target = self.nodes[node]
         match fault:
             case Fault.SILENT:
                 target.silent = True
-                self._network.silent.add(target.id)
+                self._bus_of(target).silent.add(target.id)
             case Fault.REBOOT:
                 target.power_on(self._now)
             case Fault.WRONG_VENDOR:
@@ -166,7 +200,7 @@ class SimulatedNodes:
         target = self.nodes[node]
         target.silent = False
         target.vendor_id = None
-        self._network.silent.discard(target.id)
+        self._bus_of(target).silent.discard(target.id)
         if node in self.drives:
             self.drives[node].blocked = False
             self.drives[node].freeze_encoder(False)
