@@ -69,6 +69,15 @@ class DriveEvent(NamedTuple):
     bus: str = ""  # name of the bus in the machine description, "" the first one
 
 
+class BusFigures:
+    """One bus, for the metrics."""
+
+    def __init__(self, channel: str) -> None:
+        self.channel = channel
+        self.load = 0.0  # share of its capacity, 0...1
+        self.gone = False
+
+
 class DriveImage:
     """What is exchanged with the drives in every cycle, for `n` axes in the order of the machine description.
 
@@ -125,7 +134,9 @@ class DriveImage:
         self.analogue_in: Floats = np.zeros(ANALOGUE_VALUES)
         self.events: deque[DriveEvent] = deque(maxlen=64)
         # figures for the metrics
-        self.bus_load: float = 0.0  # share of the bus capacity, 0...1
+        self.bus_load: float = 0.0  # share of the bus capacity, 0...1; of the busiest one
+        self.buses: list[BusFigures] = []
+        self.buses_changed = True  # until somebody has looked at them
         self.emcy_count: int = 0
         self.frames_sent: int = 0
         self.frames_received: int = 0

@@ -38,14 +38,24 @@ Config = Annotated[
 Channel = Annotated[str, typer.Option(help="SocketCAN interface, if there is no description yet.")]
 
 
-def _bus_of(config: Path | None, channel: str) -> Bus:
-    return load_machine(config).fieldbus.bus if config is not None else Bus(channel=channel)
+Named = Annotated[str, typer.Option("--bus", help="Name of the bus in fieldbus.buses; default: fieldbus.bus.")]
+
+
+def _bus_of(config: Path | None, channel: str, name: str) -> Bus:
+    if config is None:
+        return Bus(channel=channel)
+    buses = load_machine(config).fieldbus.all_buses()
+    if name not in buses:
+        known = ", ".join(filter(None, buses)) or "none"
+        raise typer.BadParameter(f"{name} is no bus of the machine; its further buses: {known}")
+    return buses[name]
 
 
 @app.command()
 def scan(
     config: Config = None,
     channel: Channel = "can0",
+    name: Named = "",
     machine: Annotated[
         Path | None,
         typer.Option("--machine", help="Write the beginning of a machine description (YAML) to a new file."),
@@ -65,7 +75,7 @@ def scan(
     pitches = dict(_pitch(text) for text in pitch or ())
     if machine is not None and machine.exists():
         raise typer.BadParameter(f"{machine} is there already, and a description is nothing to write over")
-    described = _bus_of(config, channel)
+    described = _bus_of(config, channel, name)
     with open_bus(described) as bus:
         looking = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE))
         found = looking.scan()
@@ -92,10 +102,11 @@ def eds(
     node: Annotated[int, typer.Argument(help="Node id.", min=1, max=127)],
     config: Config = None,
     channel: Channel = "can0",
+    name: Named = "",
 ) -> None:
     """Compare a node with its EDS file: identity, objects it does not have, constants. Exit code 1 if they differ."""
     od = read_dictionary(str(file), node)
-    with open_bus(_bus_of(config, channel)) as bus:
+    with open_bus(_bus_of(config, channel, name)) as bus:
         differences = list(Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE)).compare(node, od))
     for difference in differences:
         print(
@@ -127,9 +138,9 @@ def _identity_of(text: str) -> Identity:
 
 
 @lss.command("find")
-def lss_find(config: Config = None, channel: Channel = "can0") -> None:
+def lss_find(config: Config = None, channel: Channel = "can0", name: Named = "") -> None:
     """The nodes that have no node id yet (fast scan), as the identities that `set` takes."""
-    with open_bus(_bus_of(config, channel)) as bus:
+    with open_bus(_bus_of(config, channel, name)) as bus:
         found = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE)).unconfigured()
     for identity in found:
         print(f"{_written(identity)}  ({identity})")
@@ -149,12 +160,13 @@ def lss_set(
     store: Annotated[bool, typer.Option(help="Keep it without supply.")] = True,
     config: Config = None,
     channel: Channel = "can0",
+    name: Named = "",
 ) -> None:
     """Give a node its node id and bit rate."""
     if node is None and bitrate is None:
         raise typer.BadParameter("nothing to set: give --node, --bitrate, or both")
     chosen = None if identity is None else _identity_of(identity)
-    with open_bus(_bus_of(config, channel)) as bus:
+    with open_bus(_bus_of(config, channel, name)) as bus:
         commissioning = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE))
         found, number = commissioning.set_node(chosen, node, bitrate, store=store)
     rate = "" if bitrate is None else f", {bitrate} bit/s from its next start on"

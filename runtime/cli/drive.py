@@ -35,6 +35,7 @@ from runtime.fieldbus.jog import (
     Sample,
     Swing,
     TuneFigures,
+    bus_of,
     drive_of,
     figures,
     jog_velocity,
@@ -82,7 +83,7 @@ def _objects(config: Path | None, name: str) -> Iterator[tuple[Axis, canopen.Obj
     axis = drive_of(machine, name)
     assert axis.drive is not None
     od = read_dictionary(eds_path(axis.drive.eds, DRIVE_EDS), axis.drive.node)
-    with open_bus(machine.fieldbus.bus) as bus:
+    with open_bus(bus_of(machine, axis)) as bus:
         commissioning = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE))
         commissioning.refuse_a_master()
         yield axis, od, commissioning.client(axis.drive.node, od)
@@ -211,7 +212,7 @@ def _session(machine: Machine, axis: Axis) -> Iterator[DriveSession]:
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
     with (
-        open_bus(machine.fieldbus.bus) as bus,
+        open_bus(bus_of(machine, axis)) as bus,
         DriveSession(machine, axis, bus, now=time.monotonic, idle=lambda: time.sleep(_PAUSE)) as session,
     ):
         yield session

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
-from runtime.config.machine import Machine
+from runtime.config.machine import Bus, Machine
 from runtime.kernel_cache import places
 from runtime.scheduler.realtime import RefusedError, expect_memory_lock, set_priority
 
@@ -109,7 +109,7 @@ class Host:
             return ""
 
 
-Check = Callable[[Host, Machine], Finding]
+Check = Callable[[Host, Machine], Finding | list[Finding]]
 
 
 def kernel(host: Host, machine: Machine) -> Finding:
@@ -192,33 +192,38 @@ def clock_source(host: Host, machine: Machine) -> Finding:
     return Finding("clock source", Verdict.WARN, source or "unknown", remedy)
 
 
-def can(host: Host, machine: Machine) -> Finding:
-    bus = machine.fieldbus.bus
+def can(host: Host, machine: Machine) -> list[Finding]:
+    """A finding per bus."""
+    return [_can_bus(host, name, bus) for name, bus in machine.fieldbus.all_buses().items()]
+
+
+def _can_bus(host: Host, name: str, bus: Bus) -> Finding:
+    check = f"CAN {name}".strip()
     needed = bus.interface == "socketcan"
     missing = Verdict.FAIL if needed else Verdict.OK
     unused = "" if needed else f"; this machine uses {bus.interface}"
     if reason := host.refused_can():
         remedy = "Use a kernel with CAN (CONFIG_CAN, CONFIG_CAN_RAW): every kernel of Debian has it." if needed else ""
-        return Finding("CAN", missing, f"no CAN sockets: {reason}{unused}", remedy)
+        return Finding(check, missing, f"no CAN sockets: {reason}{unused}", remedy)
     folder = host.root / "sys/class/net"
     names = sorted(
         entry.name for entry in folder.glob("*") if host.read(f"sys/class/net/{entry.name}/type") == _CAN_TYPE
     )
     if not needed:
-        return Finding("CAN", Verdict.OK, f"interfaces: {', '.join(names) or 'none'}{unused}")
+        return Finding(check, Verdict.OK, f"interfaces: {', '.join(names) or 'none'}{unused}")
     if bus.channel not in names:
+        key = f"fieldbus.buses.{name}.channel" if name else "fieldbus.bus.channel"
         remedy = (
             f"Load the driver of the CAN card and name its interface {bus.channel} (systemd/network/80-can0.link), "
-            "or set fieldbus.bus.channel."
+            f"or set {key}."
         )
         return Finding(
-            "CAN", Verdict.FAIL, f"{bus.channel} is missing; there are: {', '.join(names) or 'none'}", remedy
+            check, Verdict.FAIL, f"{bus.channel} is missing; there are: {', '.join(names) or 'none'}", remedy
         )
-    return _can_interface(host, machine)
+    return _can_interface(host, check, bus)
 
 
-def _can_interface(host: Host, machine: Machine) -> Finding:
-    bus = machine.fieldbus.bus
+def _can_interface(host: Host, check: str, bus: Bus) -> Finding:
     details = host.output("ip", "-details", "-json", "link", "show", bus.channel)
     link = (json.loads(details) or [{}])[0] if details.strip() else {}
     info = link.get("linkinfo", {})
@@ -228,15 +233,15 @@ def _can_interface(host: Host, machine: Machine) -> Finding:
     found = f"{bus.channel}: {'up' if up else 'down'}, {state}" + (f", {bitrate} bit/s" if bitrate else "")
     start = f"ip link set {bus.channel} up type can bitrate {bus.bitrate} restart-ms 100"
     if not up:
-        return Finding("CAN", Verdict.FAIL, found, f"{start}; or systemd/network/80-can0.network for every boot")
+        return Finding(check, Verdict.FAIL, found, f"{start}; or systemd/network/80-can0.network for every boot")
     if bitrate and bitrate != bus.bitrate:
         remedy = f"The description says {bus.bitrate} bit/s: ip link set {bus.channel} down; {start}"
-        return Finding("CAN", Verdict.FAIL, found, remedy)
+        return Finding(check, Verdict.FAIL, found, remedy)
     if state in ("BUS-OFF", "ERROR-PASSIVE", "ERROR-WARNING"):
         verdict = Verdict.FAIL if state == "BUS-OFF" else Verdict.WARN
         remedy = "Look at termination (60 Ω between CAN-H and CAN-L), wiring, and the bit rate of all nodes."
-        return Finding("CAN", verdict, found, remedy)
-    return Finding("CAN", Verdict.OK, found)
+        return Finding(check, verdict, found, remedy)
+    return Finding(check, Verdict.OK, found)
 
 
 def systemd(host: Host, machine: Machine) -> Finding:
@@ -292,7 +297,11 @@ CHECKS: tuple[Check, ...] = (
 
 def examine(host: Host, machine: Machine) -> list[Finding]:
     """All checks, in the order of their weight."""
-    return [check(host, machine) for check in CHECKS]
+    findings: list[Finding] = []
+    for check in CHECKS:
+        found = check(host, machine)
+        findings += found if isinstance(found, list) else [found]
+    return findings
 
 
 def _cpu_list(text: str) -> set[int]:

@@ -17,7 +17,7 @@ from typing import Final, Protocol
 import can
 import numpy as np
 
-from runtime.config.machine import Axis, AxisType, Machine
+from runtime.config.machine import Axis, AxisType, Bus, Machine
 from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.errors import Place, Severity
 from runtime.drives import DriveState
@@ -156,8 +156,16 @@ def figures(samples: Sequence[Sample]) -> TuneFigures:
 
 def one_drive(machine: Machine, axis: Axis) -> Machine:
     """The machine reduced to one axis, so that nobody else is configured or moved."""
-    fieldbus = machine.fieldbus.model_copy(update={"io": ()})
-    return machine.model_copy(update={"axes": (axis,), "fieldbus": fieldbus})
+    assert axis.drive is not None
+    drive = axis.drive.model_copy(update={"bus": None})
+    fieldbus = machine.fieldbus.model_copy(update={"io": (), "buses": {}, "bus": bus_of(machine, axis)})
+    alone = axis.model_copy(update={"drive": drive})
+    return machine.model_copy(update={"axes": (alone,), "fieldbus": fieldbus})
+
+
+def bus_of(machine: Machine, axis: Axis) -> Bus:
+    """The bus on which the drive of an axis is."""
+    return machine.fieldbus.all_buses()[(axis.drive and axis.drive.bus) or ""]
 
 
 def drive_of(machine: Machine, name: str) -> Axis:

@@ -23,7 +23,7 @@ import can
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry
-from runtime.drives import DriveEvent, DriveImage, DriveState
+from runtime.drives import BusFigures, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
 from runtime.fieldbus.beat import Beat
 from runtime.fieldbus.boot import OPERATIONAL, BootSequence
@@ -76,9 +76,10 @@ class CanopenMaster:
         self.image = DriveImage(len(machine.axes)) if image is None else image
         self._shares_image = image is not None
         self.name = name
-        self.load = 0.0  # share of the bus, 0...1
         self._machine = machine
         self._config = machine.fieldbus.all_buses()[name]
+        self.figures = BusFigures(self._config.channel)
+        self.image.buses.append(self.figures)
         self._outage = Outage(self._config)
         self._period = machine.cycle.period
         self._bus = bus
@@ -107,7 +108,7 @@ class CanopenMaster:
         self._cycle_time = 0.0
         self._bits = 0.0
         self._cycles = 0
-        self.load = 0.0
+        self._show(load=0.0, gone=False)
         guarded = [link.node for link in self._links if link.guarded]
         self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
         self._io = IoExchange(self.image, [link for link in self._links if isinstance(link, IoLink)], self._send)
@@ -330,10 +331,13 @@ class CanopenMaster:
     def _measure_load(self) -> None:
         self._cycles += 1
         if self._cycles == LOAD_WINDOW:
-            self.load = self._bits / (LOAD_WINDOW * self._period * self._config.bitrate)
-            if not self._shares_image:
-                self.image.bus_load = self.load
+            self._show(load=self._bits / (LOAD_WINDOW * self._period * self._config.bitrate), gone=False)
             self._cycles, self._bits = 0, 0.0
+
+    def _show(self, *, load: float, gone: bool) -> None:
+        self.figures.load, self.figures.gone = load, gone
+        self.image.bus_load = max(bus.load for bus in self.image.buses)
+        self.image.buses_changed = True
 
     # -- what goes wrong ---------------------------------------------------------------------------------------------
 
@@ -453,9 +457,7 @@ class CanopenMaster:
             link.loss = link.loss or self._event(link, catalogue.HEARTBEAT_LOST.id)
             self._put_out(link)
         self._io.publish()
-        self.load = 0.0
-        if not self._shares_image:
-            self.image.bus_load = 0.0
+        self._show(load=0.0, gone=True)
         outage.begin(self._tell(entry, code), self._cycle_time)
         if outage.waits:
             self._tell(catalogue.BUS_WAITS, outage.recoveries)
@@ -470,6 +472,7 @@ class CanopenMaster:
         heard = self.image.frames_received - self._error_frames > before
         if heard and self._outage.heard(now):
             self._cycles, self._bits = 0, 0.0
+            self._show(load=0.0, gone=False)
             self._tell(catalogue.BUS_BACK)
 
     def _try_bus(self) -> None:

@@ -48,11 +48,8 @@ class SeveralMasters:
 
     def read(self) -> None:
         """Start of a cycle. Never blocks, never raises."""
-        load = 0.0
         for master in self.masters:
             master.read()
-            load = max(load, master.load)
-        self.image.bus_load = load
 
     def write(self) -> None:
         """End of a cycle. Never blocks, never raises."""

@@ -18,6 +18,7 @@ from enum import IntEnum, IntFlag
 
 MAX_CHANNELS = 4
 MAX_AXES = 16  # path axes and spindles
+MAX_BUSES = 4
 MAX_CHANNEL_AXES = 8
 TECHNO_UNITS = 16  # technology functions of one block
 ALARMS = 64
@@ -656,6 +657,16 @@ class PlcReport(c.Structure):
     ]
 
 
+class BusStatus(c.Structure):
+    """One bus of the drives and I/O nodes."""
+
+    _fields_ = [
+        ("channel_r", c.c_char * NAME),  # the CAN interface
+        ("load_r", c.c_double),  # 0...1
+        ("gone_r", c.c_bool),  # off, or out of order
+    ]
+
+
 class Platform(c.Structure):
     """What belongs to no single channel or axis: log-on of the PLC, timing figures, process states."""
 
@@ -669,7 +680,9 @@ class Platform(c.Structure):
         ("work_time_ns_r", c.c_uint64),  # last cycle
         ("lateness_ns_r", c.c_uint64),  # last wake-up
         ("overruns_r", c.c_uint64),
-        ("bus_load_r", c.c_double),  # 0...1
+        ("bus_load_r", c.c_double),  # 0...1, of the busiest bus
+        ("bus_count_r", c.c_uint16),
+        ("bus_r", BusStatus * MAX_BUSES),
         ("emcy_count_r", c.c_uint64),
         ("frames_sent_r", c.c_uint64),
         ("frames_received_r", c.c_uint64),

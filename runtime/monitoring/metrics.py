@@ -7,6 +7,7 @@ A state is a gauge per possible state, 1 for the one that holds.
 
 from __future__ import annotations
 
+import itertools
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Protocol
 
 from runtime.diagnostics.version import version
 from runtime.drives import DriveState
-from runtime.hli.layout import Axis, Channel, Hli, Mode, State, StopCondition
+from runtime.hli.layout import Axis, BusStatus, Channel, Hli, Mode, State, StopCondition
 
 _LENGTH = 1e-7  # 0.1 µm in m
 _SPEED = 1e-6  # µm/s in m/s
@@ -158,6 +159,21 @@ def _frames(source: Source) -> Samples:
     yield ("received",), source.hli.platform.frames_received_r
 
 
+def _buses(source: Source) -> Iterator[BusStatus]:
+    platform = source.hli.platform
+    return itertools.islice(platform.bus_r, platform.bus_count_r)
+
+
+def _loads(source: Source) -> Samples:
+    for bus in _buses(source):
+        yield (_text(bus.channel_r),), bus.load_r
+
+
+def _gone(source: Source) -> Samples:
+    for bus in _buses(source):
+        yield (_text(bus.channel_r),), float(bus.gone_r)
+
+
 def _errors(source: Source) -> Samples:
     yield from source.errors.items()
 
@@ -227,9 +243,11 @@ METRICS: tuple[Metric, ...] = (
     Metric(
         "tandem_can_load_ratio",
         Kind.GAUGE,
-        "Share of the capacity of the CAN bus that is used.",
-        read=_one(lambda hli: hli.platform.bus_load_r),
+        "Share of the capacity of a CAN bus that is used.",
+        ("channel",),
+        _loads,
     ),
+    Metric("tandem_can_bus_gone", Kind.GAUGE, "1 while a CAN bus is off or out of order.", ("channel",), _gone),
     Metric("tandem_can_frames_total", Kind.COUNTER, "CAN frames of the master.", ("direction",), _frames),
     Metric(
         "tandem_can_emcy_total",

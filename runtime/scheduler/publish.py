@@ -11,7 +11,7 @@ from runtime.cnc.channel import Channel
 from runtime.config.machine import Machine
 from runtime.drives import DriveImage, DriveState
 from runtime.hli.describe import describe_machine
-from runtime.hli.layout import AxisState, Hli, StopCondition
+from runtime.hli.layout import NAME, AxisState, Hli, StopCondition
 from runtime.hli.memory import put_text
 from runtime.hli.records import records
 from runtime.hli.units import RAPID
@@ -194,6 +194,8 @@ class Publisher:
         self._beside(channel)
         platform = self._platform
         platform.bus_load_r = image.bus_load
+        if image.buses_changed:
+            self._show_buses(image)
         platform.emcy_count_r = image.emcy_count
         platform.frames_sent_r = image.frames_sent
         platform.frames_received_r = image.frames_received
@@ -212,6 +214,12 @@ class Publisher:
         told.line_r, told.block_number_r = point.line, point.n
         told.way_r = point.way * LENGTH
         told.valid_r = point.valid
+
+    def _show_buses(self, image: DriveImage) -> None:
+        image.buses_changed = False
+        self._platform.bus_count_r = len(image.buses)
+        for shown, bus in zip(self._platform.bus_r, image.buses, strict=False):
+            shown.channel_r, shown.load_r, shown.gone_r = bus.channel.encode()[: NAME - 1], bus.load, bus.gone
 
     def _beside(self, channel: Channel) -> None:
         """References, and how the axes can be moved by hand; most cycles have nothing new."""

@@ -170,6 +170,17 @@ def test_a_virtual_can_interface_has_neither_state_nor_bit_rate(computer: Comput
     assert finding(computer, machine, "CAN").verdict is Verdict.OK
 
 
+def test_every_bus_has_a_finding_of_its_own(computer: Computer, machine: Machine) -> None:
+    second = machine.fieldbus.bus.model_copy(update={"channel": "can1"})
+    machine = machine.model_copy(update={"fieldbus": machine.fieldbus.model_copy(update={"buses": {"second": second}})})
+    found = finding(computer, machine, "CAN second")
+    assert (found.verdict, "fieldbus.buses.second.channel" in found.remedy) == (Verdict.FAIL, True)
+    assert finding(computer, machine, "CAN").verdict is Verdict.OK
+    computer.write("sys/class/net/can1/type", "280")
+    computer.write("sys/class/net/can1/operstate", "up")
+    assert finding(computer, machine, "CAN second").found.startswith("can1: up")
+
+
 def test_deep_sleep_is_no_harm_if_it_can_be_forbidden(computer: Computer, machine: Machine) -> None:
     computer.write("sys/devices/system/cpu/cpu3/cpuidle/state3/latency", "890")
     assert finding(computer, machine, "sleep states").verdict is Verdict.OK

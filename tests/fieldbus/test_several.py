@@ -192,8 +192,8 @@ def test_loads_are_planned_and_measured_per_bus(rig: TwoBuses) -> None:
     for master, own in zip(rig.system.masters, ([0, 1, 3, 4], [2, 5]), strict=True):
         config = rig.machine.fieldbus.all_buses()[master.name]
         planned = wire.planned_load([links[k] for k in own], config, rig.machine.cycle.period)
-        assert master.load == pytest.approx(planned, rel=0.01)
-    assert rig.image.bus_load == max(master.load for master in rig.system.masters)
+        assert master.figures.load == pytest.approx(planned, rel=0.01)
+    assert rig.image.bus_load == max(master.figures.load for master in rig.system.masters)
 
 
 def test_stop_leaves_both_buses(rig: TwoBuses) -> None:

@@ -35,7 +35,9 @@ def machine() -> Hli:
     hli.platform.plc_running_r = True
     hli.platform.plc_cycle_time_ns_w = 250_000
     hli.platform.plc_overruns_r = 2
-    hli.platform.bus_load_r = 0.375
+    hli.platform.bus_count_r = 2
+    for bus, channel, load in zip(hli.platform.bus_r, (b"can0", b"can1"), (0.375, 0.0), strict=False):
+        bus.channel_r, bus.load_r, bus.gone_r = channel, load, not load
     hli.platform.emcy_count_r = 4
     hli.platform.frames_sent_r = 1000
     hli.platform.frames_received_r = 2000
@@ -117,7 +119,8 @@ def test_the_figures_arrive_in_base_units(server: MetricsServer) -> None:
     assert value(found, "tandem_plc_running") == 1
     assert value(found, "tandem_plc_cycle_seconds") == 0.00025
     assert value(found, "tandem_plc_overruns_total") == 2
-    assert value(found, "tandem_can_load_ratio") == 0.375
+    assert value(found, "tandem_can_load_ratio", channel="can0") == 0.375
+    assert [value(found, "tandem_can_bus_gone", channel=channel) for channel in ("can0", "can1")] == [0, 1]
     assert value(found, "tandem_can_frames_total", direction="sent") == 1000
     assert value(found, "tandem_can_frames_total", direction="received") == 2000
     assert value(found, "tandem_can_emcy_total") == 4
