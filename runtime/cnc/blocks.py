@@ -448,6 +448,8 @@ class SplineKind(Enum):
     AKIMA = "AKIMA"  # through the points
     BSPLINE = "BSPLINE"  # the points are control points
     HSC = "HSC"  # as BSPLINE, within a tolerance
+    SURFACE = "SURFACE"  # as HSC, over a polygon that does not depend on where the points are
+    INTERPOLATING = "OPMODE 2"  # as AKIMA, straight where the part is prismatic
 
 
 class Tangent(Enum):
@@ -465,6 +467,11 @@ class Spline:
     HSC: `deviation`, `tracking_deviation` 0 are not watched; where they are exceeded the curve follows the programmed path
     nearer to the corner, or with `sharp` (`sharp_tracking`) ends there. `merge`: short moves may become one. Moves longer
     than `longest` (0: none), rapid ones with `without_rapid`, and corners sharper than `greatest_angle` interrupt the curve.
+    SURFACE: `rapid_deviation`, `rapid_tracking` count at corners between two rapid moves, None: no others. With `arcs` an arc of
+    less than `least_angle` or `least_radius` is part of the curve, any other is joined to it smoothly; without, arcs end it.
+    `check_jerk` 0 lets curvature cause any jerk.
+    INTERPOLATING: a corner whose cosine is less than `least_cosine`, and a move longer than `longest_factor` times the median of
+    the five before, are prismatic: straight, with corners rounded within `deviation`.
     AKIMA: `start`, `end`, and the vectors (n_axes,) of USER, NaN where an axis has none.
     """
 
@@ -481,6 +488,14 @@ class Spline:
     end: Tangent = Tangent.AUTO
     start_vector: tuple[float, ...] | None = None
     end_vector: tuple[float, ...] | None = None
+    rapid_deviation: float | None = None
+    rapid_tracking: float | None = None
+    arcs: bool = False
+    least_angle: float = 30.0
+    least_radius: float = 0.0
+    check_jerk: int = 1
+    least_cosine: float = 0.7
+    longest_factor: float = 3.0
 
 
 @dataclass(frozen=True, slots=True)

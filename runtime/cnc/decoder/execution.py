@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, Contouring, ExactStop, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -105,7 +105,7 @@ class Execution:
         self.dynamics = setup.dynamics
         self.corner_parameters: CornerDeceleration | None = None  # of #CORNER PARAM
         self.feed_group: FeedGroup = setup.feed_group
-        self.smoothing = Smoothing(Contouring(check_jerk=setup.poly_jerk))
+        self.smoothing = Smoothing.of(setup.poly_jerk)
         self.coordinates = Coordinates.at(start)
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from enum import Enum
 from typing import TYPE_CHECKING
 
 from runtime.cnc.blocks import ContourChange, Contouring, Segmentation, Spline, SplineKind
@@ -11,6 +12,17 @@ if TYPE_CHECKING:
     from runtime.cnc.decoder.execution import Execution
 
 HSC_DEFAULT = Spline(SplineKind.HSC, deviation=0.2, tracking_deviation=5.0, greatest_angle=160.0)  # lines 9050–9100
+SURFACE_DEFAULT = Spline(  # lines 9223–9365
+    SplineKind.SURFACE, deviation=0.2, tracking_deviation=2.0, greatest_angle=160.0, arcs=True
+)
+
+
+class HscMethod(Enum):
+    """What #HSC ON selects, by the key of the statement."""
+
+    TRANSITIONS = "OPMODE"
+    BSPLINE = "BSPLINE"
+    SURFACE = "SURFACE"
 
 
 @dataclass(slots=True)
@@ -23,10 +35,19 @@ class Smoothing:
     akima: Spline = field(default_factory=lambda: Spline(SplineKind.AKIMA))
     spline_on: bool = False
     hsc: Spline = HSC_DEFAULT
-    hsc_bspline: bool = False  # what #HSC ON selects: a B-spline, else transition polynomials
+    surface: Spline = SURFACE_DEFAULT
+    hsc_method: HscMethod = HscMethod.TRANSITIONS
+    hsc_interpolating: bool = False  # OPMODE 2: curves through the points where the part is not prismatic
     contour_error: float = 0.1  # mm, of the transition polynomials
+    least_cosine: float = 0.7  # of the change of direction, OPMODE 2
+    longest_factor: float = 3.0  # of the median block length, OPMODE 2
     hsc_on: bool = False
     segmentation: Segmentation = field(default_factory=Segmentation)
+
+    @classmethod
+    def of(cls, check_jerk: int) -> Smoothing:
+        """The state at the start of a program; `check_jerk`: P-CHAN-00110."""
+        return cls(Contouring(check_jerk=check_jerk), surface=replace(SURFACE_DEFAULT, check_jerk=check_jerk))
 
 
 def select_contouring(x: Execution, on: bool, keeps: bool = True) -> None:

@@ -169,8 +169,8 @@ def measure(
 @kernel
 def steered(
     points: Floats,
-    tolerance: float,
-    tracking: float,
+    tolerance: Floats,
+    tracking: Floats,
     near: Floats,
     c: Floats,
     t: Floats,
@@ -178,7 +178,7 @@ def steered(
     off: Floats,
     track: Floats,
 ) -> tuple[int, int]:
-    """Control points of a curve within `tolerance` (main axes) and `tracking`; 0 is not watched.
+    """Control points of a curve within `tolerance` (m,) at each corner (main axes) and `tracking` (m,); 0 is not watched.
 
     `near` (m,) holds and gets the distances of further control points. Returns the number of control
     points and the first corner that can't be kept within its tolerance, or -1.
@@ -186,7 +186,7 @@ def steered(
     m, n = points.shape
     work, reach = np.zeros((TERMS + 2, n)), np.zeros(m)
     count = control_points(points, near, c, t, leg)
-    if not (tolerance > 0.0 or tracking > 0.0):
+    if not (tolerance.max() > 0.0 or tracking.max() > 0.0):
         return count, -1
     failed = -1
     for _ in range(ROUNDS):
@@ -195,10 +195,10 @@ def steered(
         changed = False
         for i in range(m):
             allowed = np.inf
-            if tolerance > 0.0 and off[i] > CERTAIN * tolerance:
-                allowed = CERTAIN * tolerance / off[i]
-            if tracking > 0.0 and track[i] > CERTAIN * tracking:
-                allowed = min(allowed, CERTAIN * tracking / track[i])
+            if tolerance[i] > 0.0 and off[i] > CERTAIN * tolerance[i]:
+                allowed = CERTAIN * tolerance[i] / off[i]
+            if tracking[i] > 0.0 and track[i] > CERTAIN * tracking[i]:
+                allowed = min(allowed, CERTAIN * tracking[i] / track[i])
             if allowed == np.inf or i == 0 or i == m - 1:
                 continue
             most = MOST_OF_LEG * min(leg_length(points[i - 1], points[i]), leg_length(points[i], points[i + 1]))
@@ -214,7 +214,7 @@ def steered(
         count = control_points(points, near, c, t, leg)
     measure(points, c, t, leg, count, off, track, reach, work)
     for i in range(1, m - 1):
-        if (tolerance > 0.0 and off[i] > tolerance) or (tracking > 0.0 and track[i] > tracking):
+        if (tolerance[i] > 0.0 and off[i] > tolerance[i]) or (tracking[i] > 0.0 and track[i] > tracking[i]):
             return count, i
     return count, failed
 
@@ -266,6 +266,6 @@ def _warm_up() -> None:
     points = np.zeros((3, 2))
     points[:, 0] = np.arange(3)
     c, t, leg = np.zeros((16, 2)), np.zeros(16), np.zeros(16, dtype=np.int64)
-    steered(points, 0.1, 0.0, np.zeros(3), c, t, leg, np.zeros(3), np.zeros(3))
+    steered(points, np.full(3, 0.1), np.zeros(3), np.zeros(3), c, t, leg, np.zeros(3), np.zeros(3))
     spans(c, t, 2, 3, np.zeros((1, TERMS, 2)))
     merged(points, 0.1, 0.1, np.zeros(3, dtype=np.bool_))

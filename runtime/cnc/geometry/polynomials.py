@@ -32,6 +32,7 @@ MAP = TERMS  # the row of u(σ)
 ROWS = TERMS + 1
 SPEED_ERROR = 5e-4  # |dq/ds| - 1
 MOST_PARTS = 64  # of one element
+LEAST_PART = 2.0**-16  # near a place where it almost stands still: two control points that nearly coincide
 GREATEST_SPEED_ERROR = 0.2  # of such a part: what it costs is speed, as the limits are those of what is driven
 MAIN_AXES = 3
 
@@ -243,7 +244,7 @@ def arrange(
                 length, width = 0.0, 1.0
             elif error > SPEED_ERROR:
                 width *= 0.5
-                if width >= 1.0 / MOST_PARTS:
+                if width >= 1.0 / MOST_PARTS or (error > GREATEST_SPEED_ERROR and width >= LEAST_PART):
                     continue
                 if error > GREATEST_SPEED_ERROR:
                     return count, element

@@ -71,7 +71,9 @@ def fit(block: Polynomials, start: Floats, no_length: float) -> Fitted | None:
             return None
         if count >= 0:
             break
-        size = min(4 * size, MOST_PARTS * k + 1)
+        if size > 4 * MOST_PARTS * k:
+            return None
+        size *= 4
     tables, length, main, parent = tables[:count], length[:count], main[:count], parent[:count]
     reached: Floats = tables[:, :MAP, : coefficients.shape[2]].sum(axis=1)
     last = np.append(parent[1:] != parent[:-1], True)

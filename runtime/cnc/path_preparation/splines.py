@@ -15,16 +15,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from runtime.cnc.blocks import (
     Arc,
     Block,
     BlockEnd,
+    ContourChange,
+    Contouring,
     ExactStop,
     Floats,
     Flush,
@@ -38,54 +38,36 @@ from runtime.cnc.blocks import (
     Stop,
     Tangent,
 )
-from runtime.cnc.geometry.bsplines import merged, spans, steered
+from runtime.cnc.geometry.bsplines import CERTAIN, spans, steered
 from runtime.cnc.geometry.contour_curves import ELEMENT, element_at
 from runtime.cnc.geometry.polynomials import MAIN_AXES, TERMS
 from runtime.cnc.path_preparation.akima import akima
 from runtime.cnc.path_preparation.errors import PathError
+from runtime.cnc.path_preparation.interpolating import InterpolatingCurve
+from runtime.cnc.path_preparation.legs import (
+    MERGE_SHARE,
+    Legs,
+    handed_on,
+    merged_legs,
+    straight_legs,
+    straightened,
+)
 from runtime.cnc.path_preparation.motion_pieces import NO_LENGTH, Motion, Origin, moves
+from runtime.cnc.path_preparation.surface import as_chords, exact_arc, faired_legs
 from runtime.diagnostics.catalogue.smoothing import SPLINE_POINTS
 from runtime.diagnostics.errors import Place
-
-Ints = npt.NDArray[np.int64]
 
 WINDOW = 1024  # legs
 CUT = 16  # of the last legs of a window the longest one is cut
 CONTEXT = 3  # legs that an Akima spline looks ahead and back
 BACK = math.radians(179.0)  # a turn beyond it is the way back
-MERGE_SHARE = 0.25  # of the tolerance, for merging
-_LEAST = {SplineKind.AKIMA: 3, SplineKind.BSPLINE: 4, SplineKind.HSC: 2}
-
-
-@dataclass(slots=True)
-class _Legs:
-    """Legs of the curve that is being collected: k + 1 places, and what belongs to each leg."""
-
-    points: list[Floats] = field(default_factory=list)
-    origins: list[Origin] = field(default_factory=list)  # one per leg, shared between the legs of a run
-    feeds: list[float] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
-    numbers: list[int] = field(default_factory=list)
-    ends: list[bool] = field(default_factory=list)  # an NC block ends with the leg
-    actions: dict[int, list[Block]] = field(default_factory=dict)  # behind so many legs
-
-    def __len__(self) -> int:
-        return len(self.feeds)
-
-    def array(self) -> Floats:
-        return np.array(self.points)
-
-    def split(self, count: int) -> tuple[_Legs, _Legs]:
-        """The first `count` legs, and the rest."""
-        first = _Legs(
-            self.points[: count + 1], self.origins[:count], self.feeds[:count], self.lines[:count],
-            self.numbers[:count], self.ends[:count], {k: v for k, v in self.actions.items() if k <= count},
-        )  # fmt: skip
-        rest = _Legs(
-            self.points[count:], self.origins[count:], self.feeds[count:], self.lines[count:], self.numbers[count:],
-            self.ends[count:], {k - count: v for k, v in self.actions.items() if k > count},
-        )  # fmt: skip
-        return first, rest
+_LEAST = {
+    SplineKind.AKIMA: 3,
+    SplineKind.BSPLINE: 4,
+    SplineKind.HSC: 2,
+    SplineKind.SURFACE: 2,
+    SplineKind.INTERPOLATING: 2,
+}
 
 
 class SplineStage:
@@ -93,14 +75,19 @@ class SplineStage:
 
     def __init__(self) -> None:
         self._spline: Spline | None = None
-        self._legs = _Legs()
+        self._legs = Legs()
         self._behind: Floats = np.zeros((0, 0))  # places that an Akima spline has passed, before the first leg
         self._tangent: Floats | None = None  # of the arc or line before the curve
         self._points = 0  # of the curve that the program has selected
+        self._curve: InterpolatingCurve | None = None
+        self._behind_arc = False  # the curve begins at an arc that it is joined to
+        self._contouring: ContourChange | None = None  # what the program has selected last
         self._ending = False  # it is deselected, and waits for the direction of the next motion
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         for block in blocks:
+            if isinstance(block, ContourChange) and not block.once:
+                self._contouring = block
             if self._ending and isinstance(block, Line | Arc | Polyline):
                 yield from self._deselect(_direction(block, at_end=False))
             if isinstance(block, SplineChange):
@@ -111,6 +98,8 @@ class SplineStage:
                 yield block
             elif isinstance(block, Line | Polyline):
                 yield from self._straight(block)
+            elif isinstance(block, Arc) and self._spline.kind is SplineKind.SURFACE:
+                yield from self._arc(self._spline, block)
             elif isinstance(block, Arc | Hold | Flush | ExactStop | Stop | Polynomials):
                 if self._ending:
                     yield from self._deselect(None)
@@ -124,6 +113,25 @@ class SplineStage:
             else:
                 yield block
         yield from self._finish(None)
+
+    def _arc(self, spline: Spline, arc: Arc) -> Iterator[Block]:
+        """#HSC [SURFACE]: a small arc becomes part of the curve, any other is joined to it by a curve of contouring."""
+        chords = None if exact_arc(arc, spline) else as_chords(arc, spline)
+        if chords is not None:
+            yield from self._straight(chords)
+            return
+        if not spline.arcs:
+            yield from self._finish(None)
+            yield arc
+            return
+        yield ContourChange(
+            arc.source, Contouring(deviation=spline.deviation, check_jerk=spline.check_jerk), keeps=True
+        )
+        yield from self._finish(None, into_arc=True)
+        yield arc
+        before = self._contouring
+        yield ContourChange(arc.source, None if before is None else before.contouring, keeps=True)
+        self._behind_arc = True
 
     def _change(self, change: SplineChange) -> Iterator[Block]:
         if self._spline is not None and change.spline is None:
@@ -161,7 +169,7 @@ class SplineStage:
         outside = (length <= NO_LENGTH) & ~still
         if isinstance(block, Line) and (block.end_feed is not None or block.override_off):
             outside |= ~still
-        if spline.kind is SplineKind.HSC:
+        if spline.kind in (SplineKind.HSC, SplineKind.SURFACE):
             if spline.without_rapid:
                 outside |= np.isinf(run.feeds) & ~still
             if spline.longest > 0.0:
@@ -223,41 +231,28 @@ class SplineStage:
 
     def _window(self, spline: Spline) -> Iterator[Block]:
         """Hand on most of what was collected."""
+        if spline.kind is SplineKind.INTERPOLATING:
+            blocks, self._legs = self._interpolating(spline).window(self._legs)
+            yield from blocks
+            return
         if spline.kind is SplineKind.AKIMA:
             first, rest = self._legs.split(len(self._legs) - CONTEXT)
             ahead = np.array(rest.points[1:])[:2]
             start = self._start(spline) if not len(self._behind) else None
             made = akima(first.array(), self._behind_of(first), ahead, start, None)
-            yield from _handed_on(first, made, np.arange(len(first)))
+            yield from handed_on(first, made, np.arange(len(first)))
             self._behind = np.array(first.points[-3:-1])
             self._legs = rest
             return
         points = self._legs.array()
         way = np.linalg.norm(np.diff(points[-CUT - 1 :], axis=0)[:, :MAIN_AXES], axis=1)
-        at = len(self._legs) - CUT + int(np.argmax(way))
-        first, rest = self._legs.split(at + 1)
-        first.points[-1] = rest_start = 0.5 * (points[at] + points[at + 1])
-        first.ends[-1] = False
-        behind = first.actions.pop(at + 1, [])
-        half = _Legs(
-            [rest_start, points[at + 1]], self._legs.origins[at : at + 1], self._legs.feeds[at : at + 1],
-            self._legs.lines[at : at + 1], self._legs.numbers[at : at + 1], self._legs.ends[at : at + 1],
-        )  # fmt: skip
-        yield from self._bspline(spline, first)
-        half.points += rest.points[1:]
-        half.origins += rest.origins
-        half.feeds += rest.feeds
-        half.lines += rest.lines
-        half.numbers += rest.numbers
-        half.ends += rest.ends
-        half.actions = {k + 1: v for k, v in rest.actions.items()}
-        if behind:
-            half.actions[1] = behind + half.actions.get(1, [])
-        self._legs = half
+        first, rest = self._legs.cut(len(self._legs) - CUT + int(np.argmax(way)))
+        yield from self._between_arcs(spline, first, False)
+        self._legs = rest
 
-    def _finish(self, tangent: Floats | None) -> Iterator[Block]:
-        """The curve ends at the last target; `tangent`: of the motion behind it."""
-        legs, self._legs = self._legs, _Legs()
+    def _finish(self, tangent: Floats | None, into_arc: bool = False) -> Iterator[Block]:
+        """The curve ends at the last target; `tangent`: of the motion behind it, an arc to which it is joined or not."""
+        legs, self._legs = self._legs, Legs()
         spline = self._spline
         if len(legs) and spline is not None:
             if spline.kind is SplineKind.AKIMA:
@@ -265,126 +260,80 @@ class SplineStage:
                 end = _given(spline.end, spline.end_vector, tangent)
                 nothing = np.zeros((0, legs.array().shape[1]))
                 made = akima(legs.array(), self._behind_of(legs), nothing, start, end)
-                yield from _handed_on(legs, made, np.arange(len(legs)))
+                yield from handed_on(legs, made, np.arange(len(legs)))
+            elif spline.kind is SplineKind.INTERPOLATING:
+                yield from self._interpolating(spline).finish(legs)
             else:
-                yield from self._bspline(spline, legs)
+                yield from self._between_arcs(spline, legs, into_arc)
             self._tangent = None
-        self._behind = np.zeros((0, 0))
+        self._behind, self._behind_arc, self._curve = np.zeros((0, 0)), False, None
 
-    def _behind_of(self, legs: _Legs) -> Floats:
+    def _interpolating(self, spline: Spline) -> InterpolatingCurve:
+        if self._curve is None:
+            self._curve = InterpolatingCurve(spline)
+        return self._curve
+
+    def _between_arcs(self, spline: Spline, legs: Legs, into_arc: bool) -> Iterator[Block]:
+        """The curve; at an arc half a leg stays straight, so that contouring finds a line there."""
+        if (self._behind_arc or into_arc) and len(legs) == 1:
+            yield from straight_legs(legs)
+            return
+        if self._behind_arc:
+            first, legs = legs.cut(0)
+            yield from straight_legs(first)
+            self._behind_arc = False
+        last = None
+        if into_arc:
+            legs, last = legs.cut(len(legs) - 1)
+        if len(legs) > 0:
+            yield from self._bspline(spline, legs)
+        if last is not None:
+            yield from straight_legs(last)
+
+    def _behind_of(self, legs: Legs) -> Floats:
         return self._behind if len(self._behind) else np.zeros((0, len(legs.points[0])))
 
     def _start(self, spline: Spline) -> Floats | None:
         return _given(spline.start, spline.start_vector, self._tangent)
 
-    def _bspline(self, spline: Spline, legs: _Legs) -> Iterator[Block]:
-        """The curve over legs, in pieces where a corner stays sharp."""
-        if spline.merge:
-            legs = _merged(spline, legs)
-        share = 1.0 - MERGE_SHARE if spline.merge else 1.0
-        tolerance, tracking = spline.deviation * share, spline.tracking_deviation * share
-        points = legs.array()
-        m, n = points.shape
-        size = 3 * m + 6
-        near, off, track = np.zeros(m), np.zeros(m), np.zeros(m)
-        c, t = np.zeros((size, n)), np.zeros(size)
-        leg = np.zeros(size, dtype=np.int64)
-        count, failed = steered(points, tolerance, tracking, near, c, t, leg, off, track)
-        sharp = set(np.flatnonzero(near > 0.0).tolist()) if spline.sharp or spline.sharp_tracking else set()
-        if failed > 0:
-            sharp.add(failed)
-        if sharp:
-            at_leg = min(sharp)
-            first, rest = legs.split(at_leg)
-            yield from self._bspline(spline, first)
-            yield from self._bspline(
-                replace(spline, merge=False, deviation=tolerance, tracking_deviation=tracking), rest
-            )
-            return
-        made = np.zeros((count - 1, TERMS, n))
-        spans(c, t, 2, count + 1, made)
-        _straightened(made)
-        yield from _handed_on(legs, made, leg[2 : count + 1])
+    def _bspline(self, spline: Spline, legs: Legs) -> Iterator[Block]:
+        """The curve over legs, within its tolerances."""
+        if spline.kind is SplineKind.SURFACE:
+            legs, tolerance, tracking = faired_legs(spline, legs)
+        else:
+            if spline.merge:
+                legs = merged_legs(spline, legs)
+            share = 1.0 - MERGE_SHARE if spline.merge else 1.0
+            m = len(legs) + 1
+            tolerance, tracking = np.full(m, spline.deviation * share), np.full(m, spline.tracking_deviation * share)
+        yield from _steered(spline, legs, tolerance, tracking)
 
 
-def _handed_on(legs: _Legs, made: Floats, leg: Ints) -> Iterator[Block]:
-    """Polynomials (k, 6, n) of legs, `leg` (k,) which one; cut where something is to be done, or the offsets change."""
-    last = np.append(leg[1:] != leg[:-1], True)
-    for count, actions in list(legs.actions.items()):  # the end of a block needs no place of its own
-        if isinstance(actions[0], BlockEnd) and not legs.ends[count - 1]:
-            legs.ends[count - 1] = True
-            legs.actions[count] = actions[1:]
-            if not actions[1:]:
-                del legs.actions[count]
-    cuts = {count for count in legs.actions if count > 0}
-    cuts |= {i for i in range(1, len(legs)) if not _alike(legs.origins[i - 1], legs.origins[i])}
-    borders = [0, *sorted(cut for cut in cuts if cut < len(legs)), len(legs)]
-    feeds, lines, numbers = np.array(legs.feeds), np.array(legs.lines), np.array(legs.numbers)
-    ends = np.array(legs.ends)
-    for begin, end in pairwise(borders):
-        actions = legs.actions.get(end, [])
-        there = slice(int(np.searchsorted(leg, begin)), int(np.searchsorted(leg, end)))
-        origin, mine = legs.origins[begin], leg[there]
-        block_ends = last[there] & ends[mine]
-        yield replace(
-            origin.polynomials(made[there]),
-            feeds=feeds[mine],
-            lines=lines[mine],
-            numbers=numbers[mine],
-            block_ends=block_ends,
-        )
-        yield from actions
-
-
-def _alike(first: Origin, second: Origin) -> bool:
-    """Whether elements of both can share a run."""
-    if first is second:
-        return True
-    one, two = first.pcs_gain, second.pcs_gain
-    same = one is two or (one is not None and two is not None and np.array_equal(one, two))
-    return bool(same and first.program == second.program and np.array_equal(first.pcs_shift, second.pcs_shift))
-
-
-def _straightened(made: Floats) -> None:
-    """Straight spans (k, 6, n) get a parameter that runs evenly: on a long leg between close points it hardly moves at first."""
-    way = made[:, 1:].sum(axis=1)
-    square = (way**2).sum(axis=1)
-    safe = np.where(square > 0.0, square, 1.0)
-    away = np.zeros(len(made))
-    for power in (1, 2, 3):
-        along = (made[:, power] * way).sum(axis=1) / safe
-        away = np.maximum(away, np.abs(made[:, power] - along[:, None] * way).max(axis=1))
-    straight = (square > 0.0) & (away <= 1e-12 * np.sqrt(safe))
-    made[straight, 1], made[straight, 2:] = way[straight], 0.0
-
-
-def _merged(spline: Spline, legs: _Legs) -> _Legs:
-    """Legs of which several have become one, where nothing is to be done between them."""
+def _steered(spline: Spline, legs: Legs, tolerance: Floats, tracking: Floats) -> Iterator[Block]:
+    """The B-spline over legs with tolerances at their k + 1 points, in pieces where a corner stays sharp."""
     points = legs.array()
-    kept = np.zeros(len(points), dtype=np.bool_)
-    borders = sorted({0, len(legs), *(k for k in legs.actions if 0 < k < len(legs))})
-    borders = sorted({*borders, *(i for i in range(1, len(legs)) if legs.origins[i] is not legs.origins[i - 1])})
-    for begin, end in pairwise(borders):
-        part = np.zeros(end - begin + 1, dtype=np.bool_)
-        merged(
-            points[begin : end + 1],
-            spline.deviation * MERGE_SHARE,
-            spline.tracking_deviation * MERGE_SHARE if spline.tracking_deviation > 0.0 else math.inf,
-            part,
-        )
-        kept[begin : end + 1] |= part
-    places = np.flatnonzero(kept)
-    chosen = places[1:] - 1  # the leg that ends at a kept place stands for those before it
-    number = {int(place): i for i, place in enumerate(places)}
-    return _Legs(
-        [legs.points[i] for i in places],
-        [legs.origins[i] for i in chosen],
-        [min(legs.feeds[a:b]) for a, b in pairwise(places)],
-        [legs.lines[i] for i in chosen],
-        [legs.numbers[i] for i in chosen],
-        [legs.ends[i] for i in chosen],
-        {number[k]: v for k, v in legs.actions.items()},
-    )
+    m, n = points.shape
+    size = 3 * m + 6
+    near, off, track = np.zeros(m), np.zeros(m), np.zeros(m)
+    c, t = np.zeros((size, n)), np.zeros(size)
+    leg = np.zeros(size, dtype=np.int64)
+    count, failed = steered(points, tolerance, tracking, near, c, t, leg, off, track)
+    sharp = (near > 0.0) if spline.sharp or spline.sharp_tracking else np.zeros(m, dtype=np.bool_)
+    if failed > 0:
+        sharp |= (tolerance > 0.0) & (off > CERTAIN * tolerance)
+        sharp |= (tracking > 0.0) & (track > CERTAIN * tracking)
+        sharp[failed] = True
+    if sharp[1:-1].any():
+        begin, rest = 0, legs
+        for at in [*(np.flatnonzero(sharp[1:-1]) + 1).tolist(), m - 1]:
+            part, rest = rest.split(at - begin)
+            yield from _steered(spline, part, tolerance[begin : at + 1], tracking[begin : at + 1])
+            begin = at
+        return
+    made = np.zeros((count - 1, TERMS, n))
+    spans(c, t, 2, count + 1, made)
+    straightened(made)
+    yield from handed_on(legs, made, leg[2 : count + 1], check_jerk=spline.check_jerk != 0)
 
 
 def _given(kind: Tangent, vector: tuple[float, ...] | None, neighbour: Floats | None) -> Floats | None:

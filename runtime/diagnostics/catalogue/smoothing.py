@@ -25,6 +25,11 @@ VALUE_RANGE = ErrorEntry(
     "{key}={value:.9g} is not within {least:g} to {most:g}",
     reaction=Reaction.STOP_AT_BLOCK_END,
 )
+NOT_ABOVE = ErrorEntry(
+    300509,
+    "{key}={value:.9g} is not greater than {least:g}",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)
 ACCELERATION_ORDER = ErrorEntry(300504, "ACC_MIN is greater than ACC_MAX", reaction=Reaction.STOP_AT_BLOCK_END)
 SPLINE_POINTS = ErrorEntry(
     300505,

@@ -344,9 +344,10 @@ def test_transition_polynomials_keep_to_the_contour_error() -> None:
 @pytest.mark.parametrize(
     ("text", "entry"),
     [
-        ("#HSC ON [SURFACE PATH_DEV=0.02]", catalogue.METHOD_UNSUPPORTED),
-        ("#HSC ON [OPMODE 2]", catalogue.METHOD_UNSUPPORTED),
-        ("#HSC [COS_PHI_MIN=0.5]", catalogue.METHOD_UNSUPPORTED),
+        ("#HSC ON [OPMODE 3]", catalogue.VALUE_RANGE),
+        ("#HSC ON\n#HSC [OPMODE 2]", catalogue.WHILE_ACTIVE),
+        ("#HSC [COS_PHI_MIN=1.5]", catalogue.VALUE_RANGE),
+        ("#HSC [FACT_BLOCK_LEN=0]", catalogue.NOT_ABOVE),
         ("#HSC ON [BSPLINE]\n#HSC [PATH_DEV=1]", catalogue.WHILE_ACTIVE),
         ("#HSC ON\n#HSC [OPMODE 1]", catalogue.WHILE_ACTIVE),
         ("#HSC ON [BSPLINE PATH_DEV=-0.1]", catalogue.VALUE_RANGE),

@@ -13,6 +13,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_spindle,
     g_transition,
     g_weights,
+    hsc,
     segmentation,
     splines,
     statements_channel,
