@@ -138,7 +138,7 @@ def test_rapid_corners_have_a_tolerance_of_their_own() -> None:
 
 @SURFACE
 def test_functions_and_feeds_keep_their_places() -> None:
-    moves = "X5 Y1\nX10 Y0 M10\nF2000 X15 Y1\nX20 Y0"
+    moves = "X5 Y1\nX10 Y0\nF2000 X15 Y1 M10\nX20 Y0"
     path = smoothed(program("#HSC ON [SURFACE PATH_DEV=0.1]", moves, "#HSC OFF"))
     at = next(i for i, block in enumerate(path.blocks) if isinstance(block, TechnologyFunction) and block.number == 10)
     before = next(block for block in reversed(path.blocks[:at]) if isinstance(block, Polynomials))
