@@ -271,6 +271,20 @@ def optional_stop(switch: Switch, name: Name = "tandem") -> None:
     _operate(name, lambda operator: operator.optional_stop(on))
 
 
+@command.command()
+def backward(switch: Switch, name: Name = "tandem") -> None:
+    """Drive the path backward, as far as it is kept (backward_storage of the channel); off: forward again."""
+    on = _on(switch)
+    _operate(name, lambda operator: operator.backward(on))
+
+
+@command.command("simulate-motion")
+def simulate_motion(switch: Switch, name: Name = "tandem") -> None:
+    """Leave out the sections of #OPTIONAL EXECUTION."""
+    on = _on(switch)
+    _operate(name, lambda operator: operator.simulate_motion(on))
+
+
 @command.command("continue")
 def continue_motion(name: Name = "tandem") -> None:
     """Go on after M00, M01 or a single block."""

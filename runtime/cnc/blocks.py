@@ -788,6 +788,26 @@ class SearchArea:
     locked: bool
 
 
+@dataclass(frozen=True, slots=True)
+class OptionalSection:
+    """#OPTIONAL EXECUTION: a section begins or ends that is left out backward and in simulated motion.
+
+    `simulate`: in simulated motion only; `mask`: only if it shares a bit with that of the PLC, None for any.
+    """
+
+    source: Source
+    begins: bool
+    simulate: bool = False
+    mask: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearStorage:
+    """#BACKWARD STORAGE CLEAR: nobody goes back over this place."""
+
+    source: Source
+
+
 class SearchStep(Enum):
     """Where a block search waits."""
 
@@ -850,6 +870,8 @@ Block = (
     | Homing
     | TakeOver
     | PathRestart
+    | OptionalSection
+    | ClearStorage
     | SearchMark
     | SearchArea
     | SearchGate

@@ -23,23 +23,26 @@ import numpy.typing as npt
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import Spindle
+from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops, Way
 from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
 from runtime.cnc.block_search import GATES as SEARCH_GATES
 from runtime.cnc.block_search import BlockSearching
 from runtime.cnc.delete_distance import DeleteDistance
 from runtime.cnc.interpolator import Interpolator
+from runtime.cnc.interpolator.path_storage import skipped
 from runtime.cnc.job_records import read_job
 from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
+from runtime.cnc.skipped_section import SkippedSection
 from runtime.cnc.stop_before import StopBefore
-from runtime.cnc.technology import TechnologyFunctions, TechnologySettings
+from runtime.cnc.technology import TechnologyFunctions, TechnologySettings, Travel
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.block_search import SearchPartner
 from runtime.hli.layout import Channel as ChannelArea
-from runtime.hli.layout import Hli, StopCondition
+from runtime.hli.layout import Hli, PathWay, StopCondition
 from runtime.hli.technology import TechnologyPort
 
 Floats = npt.NDArray[np.float64]
@@ -67,6 +70,18 @@ _EXACT_STOP = int(StopCondition.EXACT_STOP)
 _MANUAL = int(StopCondition.MANUAL)
 _DELETE_DISTANCE = int(StopCondition.DELETE_DISTANCE)
 _AXIS_JOB = int(StopCondition.AXIS_JOB)
+_OPTIONAL_SECTION = int(StopCondition.OPTIONAL_SECTION)
+_TURNING = int(StopCondition.TURNING)
+_BACKWARD_END = int(StopCondition.BACKWARD_END)
+_WAYS = {
+    Way.ONWARD: int(PathWay.ONWARD),
+    Way.TURNING: int(PathWay.TURNING),
+    Way.BACKWARD: int(PathWay.BACKWARD),
+    Way.REPEATING: int(PathWay.REPEATING),
+}
+_WITHOUT_EFFECT = frozenset(
+    {ActionKind.OPTIONAL_ON, ActionKind.OPTIONAL_OFF, ActionKind.CLEAR_STORAGE, ActionKind.NOTHING}
+)
 _BLOCK_SEARCH = int(StopCondition.BLOCK_SEARCH)
 _RETURN_TO_CONTOUR = int(StopCondition.RETURN_TO_CONTOUR)
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
@@ -106,6 +121,9 @@ class ChannelInputs:
     continue_motion: bool = False
     read_disable: bool = False
     delete_distance: bool = False  # TRUE in one cycle only
+    backward: bool = False
+    simulate_motion: bool = False
+    simulate_mask: int = 0
     restricted: bool = False  # a direction is blocked, or an axis has dynamic limits
     # of the path axes, in their order
     axis_holds: list[bool] = field(default_factory=list)
@@ -138,9 +156,12 @@ class Channel:
         stop_before: StopBefore,
         axis_names: Sequence[str],
         influence: OperatorInfluence | None = None,
+        backward: BackwardMotion | None = None,
     ) -> None:
         self._axes = axes
         self._influence = influence or OperatorInfluence()
+        self.backward = backward or BackwardMotion(interpolator, 0, RepeatedStops())
+        self._section = SkippedSection(interpolator)
         self._asked_on = False  # the operator has said continue, and an axis is still on its way
         self._window = window
         self.beside = beside
@@ -199,7 +220,7 @@ class Channel:
 
     # ------------------------------------------------------------------ orders
 
-    def start(self, order: StartOrder, *, locked: bool = False) -> None:
+    def start(self, order: StartOrder, *, locked: bool = False, keeps_path: bool = True) -> None:
         """Begin a program from its machine position (n_axes,); the caller has checked that the axes are ready."""
         self.program = order.program
         self.locked = locked
@@ -214,6 +235,7 @@ class Channel:
         self.jobs.begin()
         self.search.begin(order)
         self._delete_distance.begin()
+        self.backward.begin(off=not keeps_path)
         self.interpolator.restart(order.start)
         self.functions.restart()
         self.link.start(order)
@@ -235,6 +257,7 @@ class Channel:
             self._clear(drop=True)
         self.beside.drop()
         self.jobs.drop()
+        self.backward.end()
         self.interpolator.restart(position)
 
     def fail(self, entry: ErrorEntry) -> None:
@@ -295,10 +318,10 @@ class Channel:
     @property
     def programmed_feed(self) -> float:
         """F word of the block being executed, mm/s; infinite for rapid, 0 without a block."""
-        index = self.interpolator.index
-        if not self.active or index < self.queue.read:
+        index, queue = self.interpolator.index, self.interpolator.queue
+        if not self.active or index < queue.read:
             return 0.0
-        record = self.queue.record(index)
+        record = queue.record(index)
         return float(record["f_word"] or record["feed"])
 
     # ------------------------------------------------------------------ the cycle
@@ -324,7 +347,16 @@ class Channel:
         stop = _NONE
         if inputs.feed_hold:
             stop |= _FEED_HOLD
-        if inputs.delete_distance and self.phase is Phase.RUNNING:
+        backward = self.backward
+        if self.phase is Phase.RUNNING:
+            backward.step(inputs.backward, inputs.simulate_motion, inputs.simulate_mask)
+            if backward.changed:
+                self._gate_index = -1
+        if backward.holds:
+            stop |= _TURNING
+        again = backward.replaying
+        self.functions.travel = self._travel(inputs)
+        if inputs.delete_distance and self.phase is Phase.RUNNING and not again:
             self._delete_distance.order()
         if self._delete_distance.holds:
             stop |= _DELETE_DISTANCE
@@ -345,7 +377,7 @@ class Channel:
         single = inputs.single_block or before.stop_at_block_ends
         path.step(override=override, feed_hold=held, single_block=single)
         life = self.actions.life
-        if life.wanted:
+        if life.wanted and not again:
             life.moves(path.path_position, self.period, self._on(self._rapid))
         problem = self.beside.step(inputs, path, actual[self._axes])
         if problem is not None:
@@ -353,23 +385,30 @@ class Channel:
         if self.phase is Phase.RUNNING and (problem := self.jobs.step()) is not None:
             self.problems.append(problem)
         passed = path.passed
-        for index in passed:
-            self._pass(index)
+        if again:
+            self._pass_again(passed)
+        else:
+            for index in passed:
+                self._pass(index)
+            backward.follow()
         self.search.follow(path.path_position, path.line, path.n)
-        self.functions.look_ahead(held=held or override == 0.0)
-        if life.wanted:
-            life.moved(path.path_position)
-        if self.trace_blocks:
-            self._trace_blocks(passed)
+        if not again:
+            self.functions.look_ahead(held=held or override == 0.0)
+            if life.wanted:
+                life.moved(path.path_position)
+            if self.trace_blocks:
+                self._trace_blocks(passed)
+        elif backward.at_begin:
+            stop |= _BACKWARD_END
         stop |= self._gate(inputs, pressed)
-        if self.phase is Phase.RUNNING:
+        if self.phase is Phase.RUNNING and not again:
             self._delete_distance.step()
         if path.apart and self.phase is Phase.RUNNING and not self._delete_distance.explains_gap:
             self._tell_gap()
             self._clear(drop=True)
         elif self.phase is Phase.ABORTING and path.aborted and self.beside.at_rest:
             self._clear(drop=True)
-        elif self.phase is Phase.RUNNING and (path.starved or self._nothing_will_come()):
+        elif self.phase is Phase.RUNNING and not again and (path.starved or self._nothing_will_come()):
             stop |= self._out_of_blocks()
         if stop != self.stop_condition:
             standing = stop & ~_OVERRIDE_ZERO
@@ -386,7 +425,9 @@ class Channel:
         return path.path_position + path.remaining - sum(float(queue.record(i)["length"]) for i in elements)
 
     def _on(self, flags: npt.NDArray[np.int64]) -> bool:
-        """The path is on an element with this flag."""
+        """The path is on an element with this flag; where it is driven again no flag counts."""
+        if self.backward.replaying:
+            return False
         index = self.interpolator.index
         return index >= self.queue.read and bool(flags[index % self.queue.capacity])
 
@@ -400,7 +441,7 @@ class Channel:
     def _tell_gap(self) -> None:
         """The next block does not begin where the axes stand: an error of ours, seen before anything moved."""
         path = self.interpolator
-        record = self.queue.record(path.next_index)
+        record = path.queue.record(path.next_index)
         gap = np.abs(record["start"][: len(path.position)] - path.position)
         axis = int(np.argmax(gap))
         values = {"axis": axis + 1, "start": float(record["start"][axis]), "position": float(path.position[axis])}
@@ -423,6 +464,7 @@ class Channel:
     def _cleared(self) -> None:
         self._tell_failure()
         self.path_length = self.interpolator.path_position
+        self.backward.end()
         self.queue.discard_all()
         self.interpolator.restart(self.interpolator.position.copy())
         if self._drops:
@@ -444,7 +486,7 @@ class Channel:
             return _NONE
         if path.gate != self._gate_index:
             self._gate_index = path.gate
-            self._gate_record = read_record(self.queue, path.gate)
+            self._gate_record = read_record(path.queue, path.gate)
         gate = self._gate_record
         assert gate is not None
         if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
@@ -455,6 +497,14 @@ class Channel:
             if not path.at_gate:
                 return _NONE
             return self._go_on(pressed, _SINGLE_BLOCK | _WAIT_CONTINUE)
+        if gate.reason is GateReason.WAIT and self.backward.replaying:
+            if path.at_gate and path.all_told and self.functions.settled(int(gate.synch)):
+                path.open_gate()
+                return _NONE
+            return _WAIT_TECHNOLOGY if path.at_gate else _NONE
+        if gate.reason is GateReason.OPTIONAL_SECTION and not self._leaves_out(gate, inputs):
+            path.open_gate()
+            return _NONE
         if gate.reason is GateReason.WAIT:
             if self.functions.passable(path.gate, gate):
                 path.open_gate()
@@ -472,6 +522,8 @@ class Channel:
             return _MESSAGE if path.at_gate else _NONE
         if not path.at_gate:
             return _NONE
+        if gate.reason is GateReason.OPTIONAL_SECTION:
+            return self._leave_out(gate)
         if gate.reason is GateReason.DWELL:
             return self._dwell(gate.seconds, inputs)
         if gate.reason is GateReason.FLUSH:
@@ -501,6 +553,43 @@ class Channel:
             self._clear(drop=False)
             return _NONE
         return self._go_on(pressed, _WAIT_CONTINUE)
+
+    @property
+    def path_way(self) -> int:
+        """How the path is driven (runtime.hli.layout.PathWay)."""
+        return _WAYS[self.backward.way]
+
+    def _travel(self, inputs: ChannelInputs) -> Travel:
+        if self.backward.backward:
+            return Travel.BACKWARD
+        return Travel.SIMULATED_FORWARD if self.backward.replaying or inputs.simulate_motion else Travel.FORWARD
+
+    def _leaves_out(self, gate: QueueRecord, inputs: ChannelInputs) -> bool:
+        """Whether the section that begins here is left out forward."""
+        return skipped(gate.number, gate.mask, False, inputs.simulate_motion, inputs.simulate_mask)
+
+    def _leave_out(self, gate: QueueRecord) -> int:
+        """The path stands at the begin of a section that is left out: it goes on where its end is known."""
+        path = self.interpolator
+        if self.phase is not Phase.RUNNING or not path.standstill or not path.all_told:
+            return _OPTIONAL_SECTION
+        problem = self._section.leave_out(
+            gate, Place(self.queue.program_name(gate.program), gate.line), self.link.running
+        )
+        if problem is not None:
+            self.problems.append(problem)
+        elif self._section.gone:
+            self.functions.look_again()
+            path.open_gate()
+            return _NONE
+        return _OPTIONAL_SECTION
+
+    def _pass_again(self, passed: Sequence[int]) -> None:
+        """What the path has passed before: functions are put out as their types tell, nothing else is done again."""
+        queue = self.interpolator.queue
+        for index in passed:
+            if queue.kind(index) == _FUNCTION:
+                self.functions.take_again(read_record(queue, index))
 
     def _go_on(self, pressed: bool, waits: int) -> int:
         """The operator says continue: the path goes on when the axes are in their windows. What it waits for until then."""
@@ -646,6 +735,8 @@ class Channel:
                     self.jobs.order(read_job(self.queue, index), locked=self.locked)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
+            elif record.action in _WITHOUT_EFFECT:
+                return
             elif record.action is ActionKind.SEARCH_PLACE:
                 self.search.place(record.value, self.interpolator.path_position)
                 self.block_counter = record.offset

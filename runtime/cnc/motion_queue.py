@@ -73,6 +73,7 @@ class GateReason(IntEnum):
     MESSAGE = 7  # a message has to be taken
     USER_ERROR = 8  # #ERROR: the path goes no further
     EXACT_STOP = 9  # every axis within its window of standstill
+    OPTIONAL_SECTION = 11  # the section behind it may be left out
     AXIS_JOBS = 10  # jobs of axes outside the path are done
     MANUAL = 20  # G200: moved by hand until continue
     MANUAL_END = 21  # G202: the motion by hand has ended
@@ -96,6 +97,10 @@ class ActionKind(IntEnum):
     AXIS_JOB = 6  # a PLCopen job for an axis outside the path
     MANUAL_ON = 20  # G201
     MANUAL_PARAMETER = 21
+    OPTIONAL_ON = 22  # #OPTIONAL EXECUTION: a section that may be left out begins
+    OPTIONAL_OFF = 23
+    NOTHING = 25  # was something that is left out
+    CLEAR_STORAGE = 24  # #BACKWARD STORAGE CLEAR
     SEARCH_PLACE = 30  # the program goes on here after a block search
 
 

@@ -54,6 +54,7 @@ class QueueRecord(NamedTuple):
     sense: int
     override_off: bool
     plc_spindle: int
+    mask: int = 0  # of the gate of a section that may be left out; `number` 0 plain, 1 SIMULATE, 2 with this mask
 
 
 def read_record(queue: MotionQueue, index: int) -> QueueRecord:
@@ -85,4 +86,5 @@ def read_record(queue: MotionQueue, index: int) -> QueueRecord:
         sense=int(record["sense"]),
         override_off=bool(record["override_off"]),
         plc_spindle=int(record["plc_spindle"]),
+        mask=int(record["spindle"]),
     )

@@ -25,6 +25,7 @@ from runtime.hli.layout import (
     ModeStateUnit,
     OperatorUnit,
     Uns32Unit,
+    Uns64Unit,
 )
 from runtime.hli.memory import get_text, put_text
 from runtime.hli.modes import Wish
@@ -42,7 +43,7 @@ def sample_bool(unit: BoolUnit, present: bool, operator: bool) -> bool:
     return value
 
 
-def sample_uns32(unit: Uns32Unit, present: bool, operator: int) -> int:
+def sample_uns32(unit: Uns32Unit | Uns64Unit, present: bool, operator: int) -> int:
     """The same for whole numbers."""
     unit.request_r = operator
     value = int(unit.command_w) if present and unit.enable_w else operator
@@ -172,8 +173,8 @@ class ChannelCommands:
         self._status = channel.status
         self._control = control
         self._operator = operator
-        self._changes = Changes(control, "feedhold", "delete_distance_to_go")
-        self._operator_changes = Changes(operator, "override_w", "machine_lock_w")
+        self._changes = Changes(control, "feedhold", "simulate_motion_mask")
+        self._operator_changes = Changes(operator, "override_w", "simulate_motion_w")
         self._flags_before = (False, False)
         self._max_override = max_override
         self._continue = OneShot(control.continue_motion, operator, "continue_motion_rw")
@@ -191,6 +192,10 @@ class ChannelCommands:
         self.machine_lock = False
         self.read_disable = False
         self.delete_distance = False  # TRUE in one cycle only
+        self.backward = False
+        self.backward_storage_off = False
+        self.simulate_motion = False
+        self.simulate_mask = 0
         self._delete = OneShot(control.delete_distance_to_go)
 
     def sample(self) -> None:
@@ -224,6 +229,10 @@ class ChannelCommands:
         self.machine_lock = sample_bool(control.machine_lock, present, bool(operator.machine_lock_w))
         self.read_disable = sample_bool(control.read_disable, present, False)
         self.delete_distance = self._delete.sample(present)
+        self.backward = sample_bool(control.backward_motion, present, bool(operator.backward_motion_w))
+        self.backward_storage_off = sample_bool(control.backward_storage_off, present, False)
+        self.simulate_motion = sample_bool(control.simulate_motion, present, bool(operator.simulate_motion_w))
+        self.simulate_mask = sample_uns32(control.simulate_motion_mask, present, 0) & 2**63 - 1
 
 
 class AxisCommands:

@@ -92,7 +92,19 @@ class StopCondition(IntFlag):
     DELETE_DISTANCE = 0x80000  # brakes, to drop the rest of the block
     AXIS_JOB = 0x100000  # a job of an axis outside the path has to be done
     BLOCK_SEARCH = 0x200000  # the PLC has to confirm that a block search begins, or that it has done what it got
+    TURNING = 0x800000  # brakes, to be driven backward or forward again
+    OPTIONAL_SECTION = 0x2000000  # a section that is left out has to be known to its end
+    BACKWARD_END = 0x1000000  # driven backward, and nothing more is kept
     RETURN_TO_CONTOUR = 0x400000  # behind a block search: the axes may go back, or the program may go on, when told to
+
+
+class PathWay(IntEnum):
+    """`path_way_r`: how the path is driven."""
+
+    ONWARD = 0
+    TURNING = 1
+    BACKWARD = 2
+    REPEATING = 3  # forward again, up to where it was left
 
 
 class SearchState(IntEnum):
@@ -221,6 +233,17 @@ class Uns32Unit(c.Structure):
         ("request_r", c.c_uint32),
         ("command_w", c.c_uint32),
         ("state_r", c.c_uint32),
+        ("enable_w", c.c_bool),
+    ]
+
+
+class Uns64Unit(c.Structure):
+    """Control unit without usage check, UNS64."""
+
+    _fields_ = [
+        ("request_r", c.c_uint64),
+        ("command_w", c.c_uint64),
+        ("state_r", c.c_uint64),
         ("enable_w", c.c_bool),
     ]
 
@@ -452,6 +475,8 @@ class OperatorUnit(c.Structure):
         ("continue_motion_rw", c.c_bool),  # the operator raises it, the CNC lowers it
         ("reset_rw", c.c_bool),
         ("machine_lock_w", c.c_bool),
+        ("backward_motion_w", c.c_bool),
+        ("simulate_motion_w", c.c_bool),
         ("activation", OperatorActivation),
         ("handwheel_parameter", OperatorJogParameter),
         ("continuous_parameter", OperatorJogParameter),
@@ -735,6 +760,10 @@ class ChannelControl(c.Structure):
         ("machine_lock", BoolUnit),  # from the start of a program on, no axis moves; spindles and functions do
         ("read_disable", BoolUnit),
         ("delete_distance_to_go", BoolUnit),
+        ("backward_motion", BoolUnit),  # TRUE: the path is driven back as far as it is kept; FALSE: forward
+        ("backward_storage_off", BoolUnit),  # taken over at the start of a program: nothing of it is kept
+        ("simulate_motion", BoolUnit),  # sections of #OPTIONAL EXECUTION are left out
+        ("simulate_motion_mask", Uns64Unit),
         ("manual", ManualControl),
         ("block_search", SearchUnit),
         (
@@ -776,6 +805,8 @@ class ChannelStatus(c.Structure):
             c.c_uint32,
         ),  # 0.1 µm to where functions that were put out ahead are waited for (P-CHAN-00212)
         ("techno_time_to_go_r", c.c_uint32),  # µs, the same; 4294967295: not to be foreseen
+        ("path_way_r", c.c_uint32),  # PathWay
+        ("path_kept_r", c.c_uint32),  # records that can be driven backward
         ("block_search_state_r", c.c_uint32),  # SearchState
         ("block_search_active_r", c.c_bool),  # the PLC gets the functions that were left out
         ("interruption", Interruption),

@@ -138,6 +138,14 @@ class Operator:
         """No axis moves in the programs that are started from now on."""
         self._unit.machine_lock_w = on
 
+    def backward(self, on: bool) -> None:
+        """Drive the path backward, as far as it is kept; off: forward again."""
+        self._unit.backward_motion_w = on
+
+    def simulate_motion(self, on: bool) -> None:
+        """Leave out the sections of #OPTIONAL EXECUTION."""
+        self._unit.simulate_motion_w = on
+
     def skip_levels(self, mask: int) -> None:
         """Block skip: bit n-1 = level n."""
         self._unit.program_block_ignore_w = mask

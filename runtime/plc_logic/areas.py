@@ -233,6 +233,12 @@ class ChannelPort(_Area):
     optional_stop = BoolCommand("optional_stop", "M01 stops.")
     machine_lock = BoolCommand("machine_lock", "From the next program start on no axis moves.")
     read_disable = BoolCommand("read_disable", "Keep the interpolator from taking blocks.")
+    backward_motion = BoolCommand(
+        "backward_motion", "Drive the path backward, as far as it is kept; FALSE: forward again."
+    )
+    backward_storage_off = BoolCommand("backward_storage_off", "From the next program start on nothing is kept.")
+    simulate_motion = BoolCommand("simulate_motion", "Leave out the sections of #OPTIONAL EXECUTION.")
+    simulate_motion_mask = MaskCommand("simulate_motion_mask", "Which of those with SIMULATE MASK.")
     block_search_on = BoolCommand("block_search_on", "Agrees to a block search; FALSE again: what it put out is done.")
 
     def __init__(self, channel: Channel) -> None:

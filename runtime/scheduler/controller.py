@@ -23,6 +23,7 @@ from runtime.cnc.axes.supervision import (
     AxisFault,
     AxisSupervision,
 )
+from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops
 from runtime.cnc.beside_path import BesidePath
 from runtime.cnc.channel import Channel, OperatorInfluence
 from runtime.cnc.geometry.axis_limits import AxisLimits
@@ -31,7 +32,7 @@ from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologySettings
-from runtime.config.machine import Machine
+from runtime.config.machine import ChannelParameters, Machine
 from runtime.diagnostics.catalogue import axis_jobs
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
@@ -62,6 +63,14 @@ _FAULTS = {
     FAULT_LAG: alarms.FOLLOWING_ERROR,
     FAULT_DROPPED: alarms.AXIS_TRACKING,
 }
+
+
+def _repeated_stops(parameters: ChannelParameters) -> RepeatedStops:
+    chosen = parameters.forward_backward
+    return RepeatedStops(
+        (chosen.disable_m00_backward, chosen.disable_m01_backward),
+        (chosen.disable_m00_2nd_forward, chosen.disable_m01_2nd_forward),
+    )
 
 
 class Controller:
@@ -119,6 +128,7 @@ class Controller:
                 feed_stretches_dwell=described.parameters.feed_override_weight_dwell_time,
                 time_stretches_dwell=described.parameters.time_override_weight_dwell_time,
             ),
+            BackwardMotion(self.interpolator, described.backward_storage, _repeated_stops(described.parameters)),
         )
         self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)
@@ -366,7 +376,7 @@ class Controller:
         self._parked_at[:] = position
         self.publisher.program(work.content)
         order = StartOrder(work.content, position, self.orders.skip_levels, work.mode, work.text, search, begin)
-        self.channel.start(order, locked=self.orders.machine_lock)
+        self.channel.start(order, locked=self.orders.machine_lock, keeps_path=self.orders.keeps_path)
 
     def _hindrance(self, mode: Mode) -> Problem | None:
         """Why no program can start now."""

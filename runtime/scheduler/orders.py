@@ -66,6 +66,8 @@ class Orders:
         inputs.continue_motion = commands.continue_motion
         inputs.read_disable = commands.read_disable
         inputs.delete_distance = commands.delete_distance
+        inputs.backward = commands.backward
+        inputs.simulate_motion, inputs.simulate_mask = commands.simulate_motion, commands.simulate_mask
 
     def _sample_path_axes(self) -> None:
         inputs = self.inputs
@@ -107,6 +109,11 @@ class Orders:
     def machine_lock(self) -> bool:
         """No axis shall move in a program that starts now."""
         return self._channel_commands.machine_lock
+
+    @property
+    def keeps_path(self) -> bool:
+        """What a program that starts now drives is kept, to be driven backward."""
+        return not self._channel_commands.backward_storage_off
 
     @property
     def skip_levels(self) -> int:

@@ -157,6 +157,7 @@ class Publisher:
             status.block_number_r = path.n
             status.command_feed_r = int(min(channel.programmed_feed * SPEED, RAPID))
         status.block_counter_r = channel.block_counter
+        status.path_way_r, status.path_kept_r = channel.path_way, channel.backward.stored
         status.decoder_program_end_r = not channel.link.running
         status.stop_condition_r = stop
         status.interpolation_active_r = active and not path.standstill

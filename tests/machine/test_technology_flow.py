@@ -190,11 +190,12 @@ def test_an_axis_without_a_plc_answers_for_itself(demo: Machine, program: Write)
 @pytest.mark.parametrize(
     ("synch", "backward", "simulated"),
     [
-        (Synch.MVS_SNS | Synch.BWD_SYNCH, Synch.MVS_SVS | Synch.BWD_SYNCH, Synch.BWD_SYNCH),
-        (Synch.MNS_SNS | Synch.FWD_SYNCH, Synch.FWD_SYNCH, Synch.MNS_SNS | Synch.FWD_SYNCH),
+        (Synch.MVS_SNS | Synch.BWD_SYNCH, Synch.MVS_SVS | Synch.BWD_SYNCH, Synch.MOS | Synch.BWD_SYNCH),
+        (Synch.MNS_SNS | Synch.FWD_SYNCH, Synch.MOS | Synch.FWD_SYNCH, Synch.MNS_SNS | Synch.FWD_SYNCH),
         (Synch.MOS | Synch.BWD_SYNCH | Synch.FWD_SYNCH, Synch.MVS_SVS | Synch.BWD_SYNCH | Synch.FWD_SYNCH,
          Synch.MOS | Synch.BWD_SYNCH | Synch.FWD_SYNCH),
-        (Synch.MVS_SVS, Synch.NO_SYNCH, Synch.NO_SYNCH),
+        (Synch.MVS_SVS, Synch.MOS, Synch.MOS),
+        (Synch.NO_SYNCH, Synch.NO_SYNCH, Synch.NO_SYNCH),
     ],
 )  # fmt: skip
 def test_the_type_that_counts_when_the_path_is_driven_otherwise(

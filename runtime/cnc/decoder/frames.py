@@ -78,6 +78,7 @@ class Frame:
     modal: Modal | None = None  # a modal cycle that this level has called
     sequence: Sequence | None = None
     row: int = 0  # first row of a plain run that is to be executed, where a jump leads into a run
+    optional: list[float] | None = None  # #OPTIONAL EXECUTION ON: machine position of the axes there
     target_row: int = -1  # row of that run at which a block search enters the program
     name: str = ""
     version: list[int] | None = None  # V.G.PROG_VERSION as this level has written it

@@ -49,6 +49,8 @@ class Levels:
     def finish(self, last: list[Block]) -> None:
         """M02, M30 or the end of the text: the configured last program (P-CHAN-00252), then `last`, then the end."""
         x = self._x
+        for frame in x.frames:
+            _expect_no_section(frame)
         name = x.setup.final_program
         if not name or any(frame.level is Level.FINAL for frame in x.frames):
             self._end(last or self._last)
@@ -142,6 +144,7 @@ class Levels:
 
     def leave(self) -> None:
         """The current level ends, and what it had of its own with it; behind the last program comes the end."""
+        _expect_no_section(self._x.frames[-1])
         frame = self._pop()
         if frame.level is Level.FINAL:
             self._end(self._last)
@@ -168,11 +171,20 @@ class Levels:
         line = unit.line(end - 1) if end > frame.section.begin else frame.section.line
         if frame.sequence is not None:
             raise ProgramError(catalogue.SEQUENCE_OPEN, unit.place(line), program=frame.name or unit.name)
-        if len(x.frames) > 1:
-            self.leave()
-            return
-        x.source = Source(unit.name, line)
-        self.finish([])
+        try:
+            if len(x.frames) > 1:
+                self.leave()
+                return
+            x.source = Source(unit.name, line)
+            self.finish([])
+        except LineError as error:
+            raise ProgramError(error.entry, unit.place(line), **error.values) from None
+
+
+def _expect_no_section(frame: Frame) -> None:
+    """LineError if the level ends within #OPTIONAL EXECUTION (programming manual line 16819)."""
+    if frame.optional is not None:
+        raise LineError(catalogue.SECTION_OPEN, 1)
 
 
 def restore(x: Execution, saved: ModalState) -> None:

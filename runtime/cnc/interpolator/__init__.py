@@ -1,5 +1,5 @@
 """Look-ahead, velocity profile and evaluation of the path, in the cycle."""
 
-from runtime.cnc.interpolator.interpolator import Interpolator
+from runtime.cnc.interpolator.interpolator import Interpolator, Track
 
-__all__ = ["Interpolator"]
+__all__ = ["Interpolator", "Track"]

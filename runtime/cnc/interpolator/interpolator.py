@@ -26,6 +26,19 @@ Floats = npt.NDArray[np.float64]
 GREATEST_OVERRIDE = 2.0
 
 
+class Track:
+    """A path of its own for an interpolator: the queue, and where it is in it."""
+
+    def __init__(self, queue: MotionQueue) -> None:
+        self.queue = queue
+        self.floats = np.zeros(c.FLOAT_STATE)
+        self.whole = np.zeros(c.INT_STATE, dtype=np.int64)
+        self.passed = np.zeros(c.PASSED, dtype=np.int64)
+        self.plans = c.scratch()[2]
+        self.shown = (-1, 0, -1, -1)
+        self.way = (0.0, 1.0)
+
+
 class Interpolator:
     """Follows the path in `queue`, one `period` (s) per step, from machine `position` (n_axes,).
 
@@ -51,12 +64,14 @@ class Interpolator:
         self._real, self._whole, self._plans = c.scratch()
         self._prediction = prediction.scratch()
         self._driven = (1.0, False)  # override and single block of the last step
+        self._way = (0.0, 1.0)  # where `path_position` counts from, and in which sense
         self.restart(position)
 
     def restart(self, position: Floats, way: float = 0.0) -> None:
         """Begin anew at `position` with what the queue holds from its `read` on; path position `way`, mm."""
         self._f[:] = 0.0
         self._f[c.PATH] = way
+        self._way = (0.0, 1.0)
         self._i[:] = 0
         self._dq[:] = 0.0
         self._q[: self._n] = position
@@ -93,6 +108,31 @@ class Interpolator:
             self._plans,
         )
 
+    def exchange(self, track: Track) -> None:
+        """Go over to another path at standstill; `track` keeps this one, for going back. The axes stay where they are."""
+        self.queue, track.queue = track.queue, self.queue
+        self._f, track.floats = track.floats, self._f
+        self._i, track.whole = track.whole, self._i
+        self._passed, track.passed = track.passed, self._passed
+        self._plans, track.plans = track.plans, self._plans
+        self._shown, track.shown = track.shown, self._shown
+        self._way, track.way = track.way, self._way
+        self._dq[:] = 0.0
+
+    def count_from(self, way: float, sense: float) -> None:
+        """What `path_position` is now, mm, and whether it grows (1) or falls (-1)."""
+        self._way = (way - sense * float(self._f[c.PATH]), sense)
+
+    def stand_inside(self, way: float) -> None:
+        """The axes stand `way` mm into the record that comes next; at standstill."""
+        self._f[c.PATH] += way - self._f[c.S_IN]
+        self._f[c.S_IN] = way
+
+    @property
+    def inside(self) -> float:
+        """How far the path is in the record that is executed, mm."""
+        return float(self._f[c.S_IN])
+
     def resume_at(self, position: Floats) -> None:
         """The axes were moved while the path stood: it goes on from `position` (n_axes,), where the next element begins."""
         self._q[: self._n] = position
@@ -111,8 +151,8 @@ class Interpolator:
 
     @property
     def path_position(self) -> float:
-        """Way since `restart`, mm."""
-        return float(self._f[c.PATH])
+        """Way since `restart`, mm; falls while the path is driven backward."""
+        return self._way[0] + self._way[1] * float(self._f[c.PATH])
 
     @property
     def remaining(self) -> float:
@@ -182,6 +222,11 @@ class Interpolator:
         step.
         """
         return self._passed[: self._i[c.PASSED_COUNT]].tolist()  # type: ignore[no-any-return]
+
+    @property
+    def reported(self) -> int:
+        """Absolute index of the first record that was not yet told in `passed`."""
+        return int(self._i[c.REPORTED])
 
     @property
     def all_told(self) -> bool:

@@ -24,6 +24,7 @@ from runtime.cnc.blocks import (
     AxisLimitChange,
     Block,
     BlockEnd,
+    ClearStorage,
     Dwell,
     DynamicsChange,
     ExactStop,
@@ -37,6 +38,7 @@ from runtime.cnc.blocks import (
     ManualMotion,
     ManualParameter,
     Message,
+    OptionalSection,
     PathRestart,
     Polyline,
     Polynomials,
@@ -98,6 +100,19 @@ _SEARCH = {
 _RECEIVERS = tuple(Receiver)
 _TIMER_COMMANDS = tuple(TimerCommand)
 _LIFE_COMMANDS = tuple(LifeCommand)
+
+
+def _section(record: Records, block: OptionalSection) -> Records:
+    """The begin of a section, with the gate behind it that opens if the section is driven; or its end."""
+    record["kind"] = RecordKind.ACTION
+    record["action"] = ActionKind.OPTIONAL_ON if block.begins else ActionKind.OPTIONAL_OFF
+    if not block.begins:
+        return record
+    record["number"] = 0 if not block.simulate else 1 if block.mask is None else 2
+    record["spindle"] = block.mask or 0
+    gate = record.copy()
+    gate["kind"], gate["reason"] = RecordKind.GATE, GateReason.OPTIONAL_SECTION
+    return np.concatenate([record, gate])
 
 
 class PumpState(Enum):
@@ -324,6 +339,10 @@ class QueueWriter:
                 record["text"] = self.queue.texts.put(self._error_text(block))
                 if block.remedy_class != 0:
                     record["kind"], record["reason"] = RecordKind.GATE, GateReason.USER_ERROR
+            case ClearStorage():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.CLEAR_STORAGE
+            case OptionalSection():
+                return _section(record, block)
             case SearchGate():
                 record["kind"], record["reason"] = RecordKind.GATE, _SEARCH[block.step]
                 record["number"] = block.automatic

@@ -29,7 +29,7 @@ from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.cnc.technology.ahead import FunctionsAhead, Planned, last_function
-from runtime.cnc.technology.travel import Travel, synch_in
+from runtime.cnc.technology.travel import Travel, reaches_spindle, synch_in
 from runtime.config.channel.parameters import INTERNAL, ChannelParameters
 from runtime.diagnostics.catalogue import machine
 from runtime.diagnostics.errors import Place, Problem
@@ -171,6 +171,19 @@ class TechnologyFunctions:
             planned = Planned(index, read_record(self._queue, index), 0.0, 0)
         if not planned.out:
             self._release(planned, 0.0)
+
+    def take_again(self, record: QueueRecord) -> None:
+        """The path has come to a function that it had passed before."""
+        self._put(record, 0)
+
+    def settled(self, kinds: int) -> bool:
+        """Nothing of these types that was put out waits for its acknowledgement."""
+        return not self._overflow and next(self._missing(kinds), None) is None
+
+    def look_again(self) -> None:
+        """Records ahead have changed."""
+        self._ahead.restart()
+        self._gate = -1
 
     def look_ahead(self, *, held: bool) -> None:
         """Once per cycle, when everything that was passed has been taken. `held`: the path is kept from going on."""
@@ -322,6 +335,8 @@ class TechnologyFunctions:
         if synch.kind == Synch.NO_SYNCH:
             return True
         kind = record.technology
+        if kind is Technology.S and not reaches_spindle(record.synch, self.travel):
+            return True
         spindle = self._spindles[record.spindle] if record.spindle >= 0 else None
         sent: Sent | None = None
         if spindle is None or synch & Synch.PLC_INFO:

@@ -3,8 +3,10 @@
     direction            with its flag                    without
     ──────────────────   ──────────────────────────────   ───────────
     FORWARD              the type                         the type
-    BACKWARD             BWD_SYNCH: MVS_SVS               NO_SYNCH
-    SIMULATED_FORWARD    FWD_SYNCH: the type              NO_SYNCH
+    BACKWARD             BWD_SYNCH: MVS_SVS               MOS
+    SIMULATED_FORWARD    FWD_SYNCH: the type              MOS
+
+Spindles without the flag get no orders: driven backward over M5 nobody wants them to stand, and behind it they do what they did.
 
 Backward the blocks run from their end to their start: waiting after the motion would be waiting at the wrong end, so whatever
 the type is, the path stands before it goes on into the block before.
@@ -29,6 +31,15 @@ def synch_in(synch: Synch, travel: Travel) -> Synch:
     """The type, with its flags, that counts for a function while the path is driven like this."""
     if travel is Travel.FORWARD or synch < 0:
         return synch
-    if travel is Travel.BACKWARD:
-        return synch.flags | (Synch.MVS_SVS if synch & Synch.BWD_SYNCH else Synch.NO_SYNCH)
-    return synch if synch & Synch.FWD_SYNCH else synch.flags
+    if travel is Travel.SIMULATED_FORWARD and synch & Synch.FWD_SYNCH:
+        return synch
+    if travel is Travel.BACKWARD and synch & Synch.BWD_SYNCH:
+        return synch.flags | Synch.MVS_SVS
+    return synch.flags | (Synch.NO_SYNCH if synch.kind == Synch.NO_SYNCH else Synch.MOS)
+
+
+def reaches_spindle(synch: Synch, travel: Travel) -> bool:
+    """Whether a spindle gets its order while the path is driven like this."""
+    if travel is Travel.FORWARD:
+        return True
+    return bool(synch & (Synch.BWD_SYNCH if travel is Travel.BACKWARD else Synch.FWD_SYNCH))

@@ -75,6 +75,15 @@ class StartFunction(Model):
     nr: int = -1  # P-CHAN-00063; -1: the built-in one
 
 
+class ForwardBackward(Model):
+    """`forward_backward.*`: programmed stops that are left out where the path is driven again."""
+
+    disable_m00_backward: bool = False  # P-CHAN-00276
+    disable_m00_2nd_forward: bool = False  # P-CHAN-00277
+    disable_m01_backward: bool = False  # P-CHAN-00278
+    disable_m01_2nd_forward: bool = False  # P-CHAN-00279
+
+
 class ProgramStart(Model):
     """`prog_start.*`: what holds when a program starts."""
 
@@ -205,6 +214,7 @@ class ChannelParameters(Model):
     feed_to_weakest_axis: bool = False  # P-CHAN-00096
     # what holds at program start, and from one program to the next
     prog_start: ProgramStart = ProgramStart()
+    forward_backward: ForwardBackward = ForwardBackward()
     no_init_prog_start: bool = False  # P-CHAN-00347
     p_param_haltend: bool = False  # P-CHAN-00067, P parameters outlive the program
     # motion words

@@ -985,3 +985,22 @@ CORNERS_OFF = ErrorEntry(
     "G{number}: chamfers and roundings are switched off (disable_chamfers_roundings, P-CHAN-00273)",
     reaction=Reaction.STOP_AT_BLOCK_END,
 )
+SECTION_OPEN = ErrorEntry(
+    21719,
+    "the program level ends within #OPTIONAL EXECUTION ON",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="end the section with #OPTIONAL EXECUTION OFF in the level in which it begins",
+    source="programming manual, line 16819",
+)
+SECTION_MOVES = ErrorEntry(
+    50452,
+    "axis {axis} stands at {end:.4f} behind the section of #OPTIONAL EXECUTION, and at {begin:.4f} before it",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="lead every axis back within the section: who leaves it out goes on from where it began",
+    source="programming manual, line 16777",
+)
+SECTION_MASK = ErrorEntry(
+    300790,
+    "#OPTIONAL EXECUTION: MASK belongs to SIMULATE, and is a whole number of 0 to 2^63 - 1",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+)

@@ -181,3 +181,10 @@ RESTART_NEEDED = ErrorEntry(
     reaction=Reaction.NONE,
     remedy="the alarm before this one tells which; remove its cause, then start the runtime again",
 )
+SECTION_WAITS = ErrorEntry(
+    306110,
+    "the section of #OPTIONAL EXECUTION cannot be left out: {why}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="a section that is left out in simulated motion has to fit into the motion queue, and nothing in it may wait for the "
+    "machine (#FLUSH WAIT, synchronous variables, G74, G200)",
+)

@@ -664,7 +664,7 @@ def test_the_form_of_statements() -> None:
         ("X1 #FLUSH", C.NOT_ALONE),
         ("#NOTHING", C.STATEMENT_UNKNOWN),
         ("#SINGLE STEP [STOP]", C.KEY_UNKNOWN),
-        ("#OPTIONAL EXECUTION ON", C.STATEMENT_UNSUPPORTED),
+        ("#CAXTRACK ON", C.STATEMENT_UNSUPPORTED),
     ):
         with pytest.raises(ProgramError) as caught:
             decode(f"{text}\nM30")

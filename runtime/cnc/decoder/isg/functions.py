@@ -16,6 +16,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     hsc,
     segmentation,
     splines,
+    statements_backward,
     statements_channel,
     statements_cycles,
     statements_display,
