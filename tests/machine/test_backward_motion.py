@@ -61,9 +61,11 @@ def backward(driven: Driven, on: bool) -> None:
 
 def back_to(driven: Driven, position: float) -> None:
     backward(driven, True)
-    driven.until(
-        lambda: path_position(driven) <= position or driven.channel.stop_condition & StopCondition.BACKWARD_END
-    )
+    driven.until(lambda: path_position(driven) <= position or at_begin(driven))
+
+
+def at_begin(driven: Driven) -> bool:
+    return bool(driven.channel.stop_condition & StopCondition.BACKWARD_END)
 
 
 def place(driven: Driven) -> list[float]:
@@ -139,7 +141,8 @@ def test_it_ends_where_the_storage_begins(demo: Machine, tmp_path: Path) -> None
     driven.watch(50)
     assert StopCondition(driven.channel.stop_condition) == StopCondition.BACKWARD_END
     assert place(driven) == [0.0, 0.0, 0.0]
-    assert (way(driven), path_position(driven)) == (PathWay.BACKWARD, pytest.approx(0.0, abs=1e-6))
+    assert way(driven) is PathWay.BACKWARD
+    assert path_position(driven) == pytest.approx(0.0, abs=1e-6)
     backward(driven, False)
     driven.until(lambda: way(driven) is PathWay.REPEATING)
     driven.until(lambda: way(driven) is PathWay.ONWARD)
@@ -180,7 +183,8 @@ def test_without_a_storage_nothing_goes_back(demo: Machine, tmp_path: Path) -> N
         unit = driven.hli.channels[0].control.backward_storage_off
         unit.enable_w, unit.command_w = True, off
         driven.start(TOUR)
-        driven.until(lambda here=driven: path_position(here) > 60.0)
+        while path_position(driven) < 60.0:
+            driven.watch(1)
         backward(driven, True)
         driven.until_done()
         assert place(driven)[0] == 150.0
