@@ -36,8 +36,9 @@ Flags = npt.NDArray[np.bool_]
 
 PLACES = 9
 BETWEEN = 0.985  # what may lie higher between two places
-RATE_SHARE = 0.4  # of the jerk, for the change of curvature
-BEND_SHARE = 0.4  # of the jerk, for accelerating on a curve
+RATE_SHARE = 0.4  # of the jerk, given to the change of curvature freely
+GREATEST_RATE_SHARE = 0.85  # if the feed needs it
+BEND_SHARE = 0.5  # of the jerk that the change of curvature leaves at a place, for accelerating on the curve
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,13 +91,13 @@ def element_limits(
     velocity: Floats,
     acceleration: Floats,
     jerk: Floats,
-    rate_share: float,
+    check_jerk: bool,
     boxes: Floats,
     borders: Floats,
 ) -> None:
     """Fill `boxes` (m, 3) with v, a, j and `borders` (m, 2, 2, n) with q' and q'' at start and end of m elements.
 
-    `rate_share`: of the jerk, for the change of curvature; 0: it is not watched.
+    Without `check_jerk` what curvature takes of the jerk is not watched.
     """
     n = velocity.shape[0]
     q, u, k, r = np.zeros(n), np.zeros((PLACES, n)), np.zeros((PLACES, n)), np.zeros((PLACES, n))
@@ -107,22 +108,25 @@ def element_limits(
         for axis in range(n):
             borders[element, 0, 0, axis], borders[element, 0, 1, axis] = u[0, axis], k[0, axis]
             borders[element, 1, 0, axis], borders[element, 1, 1, axis] = u[PLACES - 1, axis], k[PLACES - 1, axis]
-        v_axes, bend, rate = np.inf, 0.0, np.inf
+        v_axes, bend, rate = np.inf, 0.0, 0.0
         for place in range(PLACES):
             for axis in range(n):
                 if u[place, axis] != 0.0:
                     v_axes = min(v_axes, velocity[axis] / abs(u[place, axis]))
                 bend = max(bend, abs(k[place, axis]) / acceleration[axis])
-                if r[place, axis] != 0.0 and rate_share > 0.0:
-                    rate = min(rate, rate_share * jerk[axis] / abs(r[place, axis]))
+                if check_jerk:
+                    rate = max(rate, abs(r[place, axis]) / jerk[axis])
         asked = min(feed[element], v_axes)
         share = min(max(bend * asked * asked, CURVATURE_SHARE), GREATEST_CURVATURE_SHARE)
-        v = min(v_axes, rate ** (1.0 / 3.0))
+        v = v_axes
         if bend > 0.0:
             v = min(v, math.sqrt(share / bend))
+        if rate > 0.0:
+            share = min(max(rate * asked**3, RATE_SHARE), GREATEST_RATE_SHARE)
+            v = min(v, (share / rate) ** (1.0 / 3.0))
         v *= BETWEEN
         fastest = min(v, GREATEST_OVERRIDE * feed[element])
-        square = fastest * fastest
+        square, cube = fastest**2, fastest**3
         a = np.inf
         for place in range(PLACES):
             kappa = 0.0
@@ -136,22 +140,16 @@ def element_limits(
                     allowed = max(acceleration[axis] - across * square, 0.0) / along
                 if main[element] and axis < MAIN_AXES and kappa * square < acceleration[axis]:
                     allowed = max(allowed, math.sqrt(acceleration[axis] ** 2 - (kappa * square) ** 2))
-                if across * fastest > 0.0 and rate_share > 0.0:
-                    allowed = min(allowed, BEND_SHARE * jerk[axis] / (3.0 * across * fastest))
+                if across * fastest > 0.0 and check_jerk:
+                    left = jerk[axis] - abs(r[place, axis]) * cube
+                    allowed = min(allowed, BEND_SHARE * left / (3.0 * across * fastest))
                 a = min(a, allowed)
         a *= BETWEEN
         j = np.inf
-        if rate_share <= 0.0:
-            for place in range(PLACES):
-                for axis in range(n):
-                    if u[place, axis] != 0.0:
-                        j = min(j, jerk[axis] / abs(u[place, axis]))
-            boxes[element, 0], boxes[element, 1], boxes[element, 2] = v, a, j
-            continue
         for place in range(PLACES):
             for axis in range(n):
                 if u[place, axis] != 0.0:
-                    taken = abs(r[place, axis]) * fastest**3 + 3.0 * abs(k[place, axis]) * fastest * a
+                    taken = abs(r[place, axis]) * cube + 3.0 * abs(k[place, axis]) * fastest * a if check_jerk else 0.0
                     j = min(j, (jerk[axis] - taken) / abs(u[place, axis]))
         boxes[element, 0], boxes[element, 1], boxes[element, 2] = v, a, j
 
@@ -176,7 +174,7 @@ def polynomial_dynamics(
     boxes, borders = np.zeros((m, 3)), np.zeros((m, 2, 2, n))
     element_limits(
         tables, length, main, feed, limits.velocity, limits.least_acceleration, limits.least_jerk,
-        RATE_SHARE if check_jerk else 0.0, boxes, borders,
+        check_jerk, boxes, borders,
     )  # fmt: skip
     if constant_velocity:
         boxes[:, 0] = boxes[:, 0].min()
@@ -200,6 +198,6 @@ def _warm_up() -> None:
     tables = np.zeros((1, ROWS, WIDTH))
     tables[0, 1, 0] = tables[0, MAP, 1] = 1.0
     element_limits(
-        tables, np.ones(1), np.ones(1, dtype=np.bool_), np.ones(1), one, one, one, RATE_SHARE, np.zeros((1, 3)),
+        tables, np.ones(1), np.ones(1, dtype=np.bool_), np.ones(1), one, one, one, True, np.zeros((1, 3)),
         np.zeros((1, 2, 2, 2))
     )  # fmt: skip
