@@ -129,6 +129,7 @@ def collect(
     need = 0.0
     top, v_top, v_most, a_top = 0.0, 0.0, 0.0, 0.0
     places[KNOWN_END], places[SHARPLY] = -1, 0
+    fall, A_to, J_to = np.inf, np.inf, np.inf  # where the limits fall sharply for the first time, and those up to there
     stopped = False
     moving = False
     e = cur
@@ -186,6 +187,8 @@ def collect(
                     need = brake_distance(v_most, a_top, 0.0, A_least, J_least) + v_most * period * MARGIN
                     if sharp:
                         places[SHARPLY] = 1
+                        if way < fall:
+                            fall, A_to, J_to = way, A_before, J_before
                     if sharp and zones:
                         if here + 1 >= ZONES:
                             break
@@ -203,6 +206,9 @@ def collect(
         gate = what == GATE and e > opened
         if single_block and e > places[RELEASED] and (what == BLOCK_END or r["block_end"] == 1):
             possible = moving and (way <= 0.0 or brake_distance(v, a, 0.0, A_least, J_least) <= way)
+            if moving and not possible and fall < way:
+                over = min(entry_speed(way - fall, 0.0, A_least, J_least), min(fastest, slowest_corner))
+                possible = brake_distance(v, a, min(over, v), A_to, J_to) <= fall
             if places[SINGLE_GATE] < 0 and possible and way >= planned - 1e-7:
                 places[SINGLE_GATE] = e  # the first block end where stopping is possible
             gate = gate or e == places[SINGLE_GATE]

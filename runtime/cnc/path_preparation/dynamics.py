@@ -30,6 +30,7 @@ import numpy.typing as npt
 
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.elements import greatest_cosine
+from runtime.cnc.path_preparation.curve_shares import curve_shares
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -139,22 +140,26 @@ def line_dynamics(
     bend[0] = np.abs(first.curvature)
 
     curvature = np.where(turn.max(axis=1, keepdims=True) < SMOOTH, turn / mean[:, None], 0.0)  # at the corner before
-    feed_before = np.concatenate([[feed[0]], feed[:-1]])
-    asked = np.minimum(np.minimum(feed, feed_before), v_limit)
-    wanted_share = (curvature * asked[:, None] ** 2 / acceleration).max(axis=1)
-    allowed_share = np.clip(wanted_share, CURVATURE_SHARE, GREATEST_CURVATURE_SHARE)
-    v_entry = corner_speed(limits, period, turn, bend, mean, allowed_share)
+    here = curvature.copy()  # the sharper of the corners at both ends; that after the last line is not known yet
+    here[:-1] = np.maximum(here[:-1], curvature[1:])
     v_corner = jump_speed(limits, period, turn, bend)
+    asked = np.minimum(feed, v_limit)
+    cap = np.append(v_corner, asked[-1])
+    cap[:-1] = np.minimum(np.minimum(cap[:-1], asked), np.concatenate([asked[:1], asked[:-1]]))
+    # where the path comes from and goes on is not known here
+    cap[[0, -1]] = np.minimum(cap[[0, -1]], np.sqrt(GREATEST_CURVATURE_SHARE * _least(acceleration, here[[0, -1]])))
+    if before is None:
+        cap[0] = 0.0
+    share_here = np.empty(len(length))
+    curve_shares(share, here, length, acceleration, cap, CURVATURE_SHARE, share_here)
+    share_at = share_here.copy()  # of the corner before
+    share_at[1:] = np.minimum(share_at[1:], share_here[:-1])
+    v_entry = corner_speed(limits, period, turn, bend, mean, share_at)
     measured_anew = before_main != main  # mm before, degrees after
     v_entry[measured_anew] = v_corner[measured_anew] = 0.0
     if before is None:
         v_entry[0] = v_corner[0] = 0.0
 
-    # the sharper of the corners at both ends; that after the last line is not known yet
-    here = curvature.copy()
-    here[:-1] = np.maximum(here[:-1], curvature[1:])
-    share_here = allowed_share.copy()
-    share_here[:-1] = np.maximum(share_here[:-1], allowed_share[1:])
     fastest = np.minimum(
         np.minimum(GREATEST_OVERRIDE * feed, v_limit), np.sqrt(share_here * _least(acceleration, here))
     )

@@ -38,7 +38,7 @@ PLACES = 9
 BETWEEN = 0.985  # what may lie higher between two places
 RATE_SHARE = 0.4  # of the jerk, given to the change of curvature freely
 GREATEST_RATE_SHARE = 0.85  # if the feed needs it
-BEND_SHARE = 0.5  # of the jerk that the change of curvature leaves at a place, for accelerating on the curve
+BEND_SHARE = 0.6  # of the jerk that the change of curvature leaves at a place, for accelerating on the curve
 
 
 @dataclass(frozen=True, slots=True)
