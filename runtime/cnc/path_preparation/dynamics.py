@@ -9,7 +9,8 @@ jerk j:
 
 Every element gets one v, a and j with which all of this holds together. What curvature takes is decided by the speed
 that the programmed feed can ask for (override 200 %): up to half of the acceleration is given to it freely, up to 70
-% if the feed at 100 % needs it; the rest is left to speed up and brake.
+% if the feed at 100 % needs it, along runs of short lines as much as the way ahead makes worth it (`curve_shares`);
+the rest is left to speed up and brake.
 
 At a corner the axes jump by Δu v, at most their `velocity_step`. Where an arc begins or ends the acceleration jumps
 by Δk v². An axis that may jump by `velocity_step` may also lag as much, and with its jerk it catches up with a jump
