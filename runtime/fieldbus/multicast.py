@@ -5,7 +5,9 @@ A multicast socket hears what it sends itself. Frames carry a mark of their send
 protocol has room for; other python-can users are understood, and understand.
 
 An IPv4 group that never leaves this computer (`hop_limit` 0) lives on the loopback interface: it needs neither a network
-card nor a route, so that the demo machine runs in a closed container too. (Linux routes no IPv6 multicast there.)
+card nor a route, so that the demo machine runs in a closed container too. (Linux routes no IPv6 multicast there.) Nobody outside
+reaches it: the socket takes what is sent to the group, on the interface where it was joined, and nothing that is sent to an
+address of this computer.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import can
 from can.interfaces.udp_multicast.utils import pack_message, unpack_message
 
 _LARGEST = 4096  # bytes of a datagram; a frame has about 200
+_IP_MULTICAST_ALL = 49  # ip(7); Python does not name it
 _RECEIVE_BUFFER = 4 << 20  # bytes; the kernel gives what it allows
 
 
@@ -47,9 +50,10 @@ class MulticastBus(can.BusABC):
         options(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         options(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
         group = socket.inet_pton(family, str(self._address[0]))
-        self._socket.bind(("", self._address[1]))
+        self._socket.bind(self._address)
         if family == socket.AF_INET:
             interface = socket.inet_aton("0.0.0.0" if hop_limit else "127.0.0.1")
+            options(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
             options(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, hop_limit)
             options(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + interface)
             options(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)

@@ -9,6 +9,7 @@ from typing import Any
 
 import can
 import pytest
+from can.interfaces.udp_multicast.utils import pack_message
 
 from runtime.config.machine import Bus
 from runtime.diagnostics.catalogue import fieldbus as catalogue
@@ -56,6 +57,22 @@ def test_multicast_carries_frames_between_two_and_has_no_echo(multicast: dict[st
         assert message is not None
         assert (message.arbitration_id, bytes(message.data)) == (0x181, b"\x01\x02")
         assert one.recv(0.05) is None
+
+
+def test_nobody_reaches_the_group_by_an_address_of_this_computer(multicast: dict[str, Any]) -> None:
+    """What the network could send: a datagram to the computer itself, on the port of the bus."""
+    stop = pack_message(can.Message(arbitration_id=0x000, data=b"\x02\x00", is_extended_id=False))
+    with open_bus(Bus(**multicast)) as bus, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        while bus.recv(0.05):
+            pass
+        stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        for address in {"127.0.0.1", "127.0.0.2", socket.gethostbyname(socket.gethostname())}:
+            stranger.sendto(stop, (address, port()))
+        assert bus.recv(0.1) is None
+        stranger.sendto(stop, (multicast["channel"], port()))  # by the group it is heard
+        heard = bus.recv(1.0)
+        assert heard is not None
+        assert heard.arbitration_id == 0x000
 
 
 @pytest.mark.parametrize(("code", "hop_limit"), [(errno.ENODEV, 0), (errno.ENETDOWN, 1), (errno.ENETUNREACH, 1)])

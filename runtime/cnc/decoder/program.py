@@ -73,7 +73,7 @@ def open_program(path: Path, setup: DecoderSetup) -> Program:
 def library_of(path: Path, setup: DecoderSetup) -> Library:
     """The files around a main program: its own folder first, then the search paths in the order of their priority."""
     folders = [path.parent, *(path.parent / folder for folder in setup.program_paths)]
-    return Library(setup.addresses, folders, setup.rules)
+    return Library(setup.addresses, folders, setup.rules, setup.configured_programs)
 
 
 def look_through(path: Path, setup: DecoderSetup, progress: Progress | None = None) -> Iterator[Problem]:
@@ -198,9 +198,9 @@ class _Look:
                 self._unit.open()
             if name not in self._unit.local_programs:
                 problem = Problem(catalogue.LOCAL_MISSING, {"name": name}, place)
-        elif self._library.find(name) is None:
-            paths = ", ".join(str(folder) for folder in self._library.folders)
-            problem = Problem(catalogue.GLOBAL_MISSING, {"name": name, "paths": paths}, place)
+        else:
+            found = self._library.find(name, place)
+            problem = found if isinstance(found, Problem) else None
         if problem is not None:
             yield problem if self._certain(entry, text) else _warning(problem)
 

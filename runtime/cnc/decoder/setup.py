@@ -339,6 +339,12 @@ class DecoderSetup:
         )
 
     @property
+    def configured_programs(self) -> frozenset[str]:
+        """Files that the configuration of the channel names; they may lie anywhere."""
+        named = (self.start_program, self.final_program, self.tool_change_program, self.tool_data_program)
+        return frozenset(filter(None, (*named, *self.g_programs.values())))
+
+    @property
     def m_numbers(self) -> frozenset[int]:
         """M functions that are configured."""
         return frozenset(self.m_synch)

@@ -300,3 +300,51 @@ def test_a_folder_that_refuses_changes(place: Place, monkeypatch: pytest.MonkeyP
     (place.programs / "a").write_text("a")
     monkeypatch.setattr(Path, "replace", refuse)
     assert place.entry('#FILE RENAME [PATHOLD="a" PATHNEW="b" OVRMODE=0]') is C.FILE_REFUSED
+
+
+# -- programs that are called ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [*OUTSIDE, "../outside/nothing.nc", "{outside}/nothing.nc", "/dev/zero", "sub/loop"])
+@pytest.mark.parametrize("call", ["L {}", '#FILE NAME [M6="{}"]\nM6', '"A" = "{}"\nL "A"'])
+def test_no_program_outside_the_folders_of_the_channel_is_called(place: Place, name: str, call: str) -> None:
+    """Not even whether it is there is told, and none of its text."""
+    (place.programs / "link").symlink_to(place.outside / "secret.txt")
+    (place.programs / "folder").symlink_to(place.outside)
+    (place.sub / "loop").symlink_to("loop")
+    problem = place.run(f"G90\n{call.format(name.format(outside=place.outside))}\nM30")
+    assert problem is not None
+    assert problem.entry is (C.GLOBAL_MISSING if name == "sub/loop" else C.FILE_OUTSIDE)
+    assert "secret" not in problem.text.replace("secret.txt", "").replace(str(place.outside), "")
+
+
+@pytest.mark.parametrize(
+    ("name", "entry"),
+    [
+        ("a" * 84, C.GLOBAL_MISSING),
+        ("a" * 300, C.GLOBAL_MISSING),
+        ("a" * 30_000, C.BLOCK_TOO_LONG),
+        ("a\0b", C.FILE_BINARY),
+        ("sub", C.GLOBAL_MISSING),
+    ],
+)
+def test_names_that_no_program_can_have(place: Place, name: str, entry: object) -> None:
+    assert place.entry(f"L {name}\nM30") is entry
+
+
+def test_programs_inside_are_called_by_any_name(place: Place) -> None:
+    (place.sub / "deep").mkdir()
+    (place.sub / "deep" / "a.nc").write_text("P1 = P1 + 1\nM17")
+    (place.programs / "inside").symlink_to(place.sub / "deep" / "a.nc")
+    names = ("deep/a.nc", "sub/deep/a.nc", "sub/../sub/deep/a.nc", "inside", str(place.sub / "deep" / "a.nc"))
+    assert place.run("P1 = 0\n" + "\n".join(f"L {name}" for name in names) + "\nM30") is None
+    assert place.numbers == {1: len(names)}
+
+
+def test_the_configuration_names_programs_anywhere(place: Place) -> None:
+    change = place.outside / "change.nc"
+    change.write_text("P1 = P1 + 1\nM17")
+    place.setup = replace(place.setup, tool_change_program=str(change))
+    assert place.run("P1 = 0\nM6\nM30") is None
+    assert place.numbers == {1: 1}
+    assert place.entry(f"L {place.outside}/secret.txt\nM30") is C.FILE_OUTSIDE
