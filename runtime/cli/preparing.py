@@ -1,7 +1,11 @@
-"""Kernels ready for use: a word about it only at the first start, when they are compiled."""
+"""Kernels ready for use: a word about it only at the first start, when they are compiled.
+
+The word goes to standard error and, where a service manager waits for the start, to its status line.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
 
 from rich.console import Console
@@ -11,6 +15,9 @@ import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
 from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import Problem
 from runtime.kernels import CACHE, warm_up
+from runtime.scheduler.notify import Notifier
+
+_LONGEST_STEP = 120.0  # s that one group of kernels may take on a slow computer
 
 
 def prepare_kernels() -> None:
@@ -30,8 +37,20 @@ def prepare_kernels() -> None:
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=1)
 
+        notifier = Notifier.from_environment(os.environ)
+
         def tell(what: str, done: int, total: int) -> None:
             bar.update(task, description=what, completed=done, total=total)
+            notifier.starting(
+                f"first start of this version: compiling kernels, {done} of {total} groups", _LONGEST_STEP
+            )
 
         warm_up(tell)
         bar.update(task, description="ready", completed=1, total=1)
+        notifier.close()
+
+
+def compile_kernels() -> None:
+    """As `prepare_kernels`, for a process that runs none of them itself: those that are compiled are not loaded."""
+    if not CACHE.warm:
+        prepare_kernels()

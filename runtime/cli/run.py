@@ -47,7 +47,7 @@ def command(
     verbose: Annotated[bool, typer.Option("--verbose", help="Tell every event, not only what is wrong.")] = False,
 ) -> None:
     """Run the machine in real time until stopped (SIGTERM, Ctrl-C); the axes are brought to rest first."""
-    from runtime.cli.preparing import prepare_kernels
+    from runtime.cli.preparing import compile_kernels
     from runtime.cnc.decoder import ProgramError, expect_dialect
     from runtime.config import load_machine
     from runtime.diagnostics.catalogue.language import FILE_MISSING
@@ -67,7 +67,7 @@ def command(
     if plot is not None:
         plot.open("ab").close()  # fails now, not after the program
     machine = load_machine(config)
-    prepare_kernels()
+    compile_kernels()
     options = RunOptions(config, name, dialect, simulated_drives or config is None, start_limit)
     journal = open_journal(os.environ, sys.stderr, verbose=verbose)
     session = Session(machine, options, journal)

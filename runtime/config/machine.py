@@ -275,6 +275,17 @@ class Metrics(Model):
     port: int = Field(default=9402, ge=0, le=65535)
 
 
+class HliAccess(Model):
+    """What members of the service's group may do with the interface memory; others may nothing, its owner everything."""
+
+    group: Literal["none", "read", "command"] = "read"
+
+    @property
+    def permissions(self) -> int:
+        """Mode of the memory's file."""
+        return {"none": 0o600, "read": 0o640, "command": 0o660}[self.group]
+
+
 class ToolTable(Model):
     """Where the tools are that D words select: a table, if the channel has no external tool management."""
 
@@ -297,6 +308,7 @@ class Machine(Model):
     fieldbus: Fieldbus = Fieldbus()
     plc: Plc = Plc()
     metrics: Metrics = Metrics()
+    hli: HliAccess = HliAccess()
     tools: ToolTable = ToolTable()
     error_texts: FileBeside | None = None  # texts for #ERROR, lines `number text`
     state_directory: Annotated[Path, Field(strict=False)] | None = (

@@ -53,7 +53,7 @@ class CycleProcess:
         self.machine = machine
         n_axes = len(machine.channels[0].axes)
         self._buses = open_buses(machine)  # first: what refuses to start leaves no memory behind
-        self.memory = HliMemory.create(name)
+        self.memory = HliMemory.create(name, permissions=machine.hli.permissions)
         self.events = EventRing(names.events(name))
         self.queue = MotionQueue(n_axes, names.queue(name, 0))
         self.link = PreparationLink(n_axes, names.link(name, 0))

@@ -43,6 +43,10 @@ class Notifier:
         """One line for `systemctl status`."""
         return self._send(f"STATUS={_line(text)}")
 
+    def starting(self, text: str, seconds: float) -> bool:
+        """The start goes on: one line about it, and it may take so many seconds more from now, whatever the unit allows."""
+        return self._send(f"STATUS={_line(text)}", f"EXTEND_TIMEOUT_USEC={round(seconds * 1e6)}")
+
     def feed_watchdog(self) -> bool:
         """Sign of life; due at least twice within `watchdog_limit`."""
         return self._send("WATCHDOG=1")

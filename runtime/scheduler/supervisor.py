@@ -40,6 +40,8 @@ from runtime.scheduler.statistics import CycleStatistics
 
 _STOP_LIMIT = 15.0  # s that the cycle gets to bring the machine to rest
 _RETAIN_EVERY = 1.0  # s
+_FROZEN_AFTER = 5.0  # s without a cycle; the drives have missed our heartbeat long before
+_LONGEST_POLL = 0.2  # s that count between two looks: if this process stood still as well, the cycle is not to blame
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +81,9 @@ class Supervisor:
         self._retain_at = 0.0
         self._retained: Retained | None = None
         self._cycle_before = -1
+        self._polled_at = 0.0
+        self._standstill = 0.0  # s without a cycle
+        self._cycle_end = ""  # why this process has ended the cycle
         self._plc_restarts = 0
         self._failed = False
         self._retain_failed = False
@@ -218,8 +223,24 @@ class Supervisor:
         cycle = self.memory.hli.head.cycle_r
         if cycle != self._cycle_before:  # the watchdog is fed by the cycle, not by this process
             self._cycle_before = cycle
+            self._standstill = 0.0
             self._notifier.feed_watchdog()
+        else:
+            self._standstill += min(now - self._polled_at, _LONGEST_POLL)
+            if self._standstill > _FROZEN_AFTER:
+                self._end_frozen_cycle()
+        self._polled_at = now
         return True
+
+    def _end_frozen_cycle(self) -> None:
+        """It cannot brake any more, the drives have done that. Its end is told by the next look, and systemd starts anew.
+
+        The watchdog of systemd would do it too, a little later, but nobody would say why.
+        """
+        self._cycle_end = f"no cycle for {_FROZEN_AFTER:g} s, killed"
+        assert self.cycle.process is not None
+        self.cycle.process.kill()
+        self.cycle.process.wait()
 
     def _drain_events(self) -> None:
         if self._events is None:
@@ -234,7 +255,7 @@ class Supervisor:
 
     def _cycle_ended(self) -> None:
         """The cycle is gone: the drives stop by themselves; tell why, in the journal and in what is left of the HLI."""
-        reason = self.cycle.end()
+        reason = self._cycle_end or self.cycle.end()
         if reason == "exit code 0":
             return
         self._failed = True

@@ -29,6 +29,7 @@ def test_every_message_arrives(manager: tuple[socket.socket, str]) -> None:
         (notifier.ready("drives enabled"), b"READY=1\nSTATUS=drives enabled"),
         (notifier.ready(), b"READY=1"),
         (notifier.status("two\nlines  are one"), b"STATUS=two lines are one"),
+        (notifier.starting("kernels", 120.0), b"STATUS=kernels\nEXTEND_TIMEOUT_USEC=120000000"),
         (notifier.feed_watchdog(), b"WATCHDOG=1"),
         (notifier.stopping("asked to"), b"STOPPING=1\nSTATUS=asked to"),
     ]

@@ -15,7 +15,7 @@ from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.catalogue import plc
 from runtime.drives import DriveState
 from runtime.hli.layout import State
-from tests.system.conftest import RunningMachine
+from tests.system.running_machine import RunningMachine
 
 
 def moving(machine: RunningMachine) -> bool:
@@ -90,6 +90,19 @@ def test_a_killed_cycle_is_named_in_journal_and_hli_and_ends_the_service(
     picture = subprocess.run(watch, capture_output=True, text=True, check=True).stdout
     assert "not running" in picture
     assert "cycle: killed by SIGKILL" in picture
+
+
+def test_a_frozen_cycle_is_ended_and_named(machine: RunningMachine, long_program: Path) -> None:
+    machine.start()
+    machine.order(long_program)
+    machine.wait_for(lambda: moving(machine), "motion")
+    memory = machine.memory
+    os.kill(machine.pid_of("cycle"), signal.SIGSTOP)
+    assert machine.process is not None
+    assert machine.process.wait(60) == 1
+    assert not memory.hli.head.running_r
+    assert any(alarm.id == alarms.CYCLE_LOST.id and "no cycle for 5 s" in alarm.text for alarm in machine.alarms)
+    assert str(alarms.CYCLE_LOST.id) in (machine.state / "retained.json").read_text()
 
 
 def test_a_killed_service_process_stops_the_machine_under_control(machine: RunningMachine, long_program: Path) -> None:

@@ -10,7 +10,7 @@ from runtime.diagnostics.catalogue import fieldbus, language, plc
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.fieldbus.simulator.encoder import EncoderFile
 from runtime.hli.layout import State
-from tests.system.conftest import RunningMachine
+from tests.system.running_machine import RunningMachine
 
 MM = 10_000  # increments of the demo's drives
 

@@ -9,7 +9,7 @@ import pytest
 
 from runtime.cnc.tools.table import SqliteTools
 from runtime.cnc.tools.tool import Tool
-from tests.system.conftest import RunningMachine
+from tests.system.running_machine import RunningMachine
 
 
 def test_programs_and_the_command_share_the_table(machine: RunningMachine, tmp_path: Path) -> None:

@@ -55,6 +55,15 @@ def targets(frames: list[Frame], node: int) -> list[tuple[float, int]]:
     ]
 
 
+def control_words(frames: list[Frame], node: int) -> list[int]:
+    """The control words that the master sent to a drive, each once where it changes."""
+    words: list[int] = []
+    for frame in frames:
+        if frame.identifier == 0x200 + node and (word := frame.data[0] | frame.data[1] << 8) not in words[-1:]:
+            words.append(word)
+    return words
+
+
 def largest_step(frames: list[Frame], node: int) -> int:
     """Increments: the largest difference of a set-point to the one before, or to where the drive then was.
 

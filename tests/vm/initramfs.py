@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -27,6 +28,16 @@ MODULES: Final = (
     "net/9p/9pnet_virtio",
     "fs/9p/9p",
 )
+DISK_MODULES: Final = (
+    # behind the others: a disk with a file system
+    "drivers/block/virtio_blk",
+    "crypto/crc32c_generic",
+    "lib/libcrc32c",
+    "lib/crc16",
+    "fs/mbcache",
+    "fs/jbd2/jbd2",
+    "fs/ext4/ext4",
+)
 APPLETS: Final = (
     "sh",
     "mount",
@@ -43,14 +54,14 @@ APPLETS: Final = (
 )
 
 
-def write(archive: Path, kernel: Kernel, busybox: Path, script: str) -> None:
-    """An initramfs whose init is `script`."""
+def write(archive: Path, kernel: Kernel, busybox: Path, script: str, more: Sequence[str] = ()) -> None:
+    """An initramfs whose init is `script`; `more`: modules beside those that every machine needs."""
     entries: list[tuple[str, int, bytes]] = [(name, stat.S_IFDIR | 0o755, b"") for name in ("bin", "modules", "proc")]
     entries += [(name, stat.S_IFDIR | 0o755, b"") for name in ("sys", "dev", "root")]
     entries.append(("bin/busybox", stat.S_IFREG | 0o755, busybox.read_bytes()))
     entries += [(f"bin/{applet}", stat.S_IFLNK | 0o777, b"busybox") for applet in APPLETS]
     entries.append(("init", stat.S_IFREG | 0o755, script.encode()))
-    for module in MODULES:
+    for module in (*MODULES, *more):
         name = module.rpartition("/")[2]
         entries.append((f"modules/{name}.ko", stat.S_IFREG | 0o644, (kernel.modules / f"{module}.ko").read_bytes()))
     with archive.open("wb") as file:
@@ -59,9 +70,9 @@ def write(archive: Path, kernel: Kernel, busybox: Path, script: str) -> None:
         file.write(_entry(0, "TRAILER!!!", 0, b""))
 
 
-def load_modules() -> str:
+def load_modules(more: Sequence[str] = ()) -> str:
     """The line of the script that loads everything."""
-    names = " ".join(module.rpartition("/")[2] for module in MODULES)
+    names = " ".join(module.rpartition("/")[2] for module in (*MODULES, *more))
     return f"for m in {names}; do insmod /modules/$m.ko || echo no module $m; done"
 
 

@@ -1,6 +1,6 @@
 """What a virtual machine is made of: QEMU of the host, Debian's PREEMPT_RT kernel, busybox. Nothing is installed.
 
-Everything fetched is kept in $XDG_CACHE_HOME/tandem-vm (~/.cache/tandem-vm).
+Everything fetched is kept in out/vm, or where TANDEM_VM_CACHE says.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Kernel:
 
 
 def cache_folder() -> Path:
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tandem-vm"
+    folder = Path(os.environ.get("TANDEM_VM_CACHE") or Path(__file__).parents[2] / "out/vm").absolute()
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -71,9 +71,9 @@ def kernel() -> Kernel:
     if not (folder / "complete").exists():
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        _run(["apt-get", "download", "-q", package], folder, f"the kernel package {package} cannot be downloaded")
+        run(["apt-get", "download", "-q", package], folder, f"the kernel package {package} cannot be downloaded")
         (archive,) = folder.glob("*.deb")
-        _run(["dpkg-deb", "-x", archive.name, "."], folder, f"{archive.name} cannot be unpacked")
+        run(["dpkg-deb", "-x", archive.name, "."], folder, f"{archive.name} cannot be unpacked")
         archive.unlink()
         (folder / "complete").touch()
     (image,) = folder.glob("boot/vmlinuz-*")
@@ -96,13 +96,14 @@ def _kernel_package() -> str:
 
 
 def _plain_language() -> dict[str, str]:
-    return {**os.environ, "LC_ALL": "C"}
+    return {**os.environ, "LC_ALL": "C", "PATH": search_path()}
 
 
-def _run(command: list[str], folder: Path, failure: str) -> None:
+def run(command: list[str], folder: Path, failure: str, limit: float = FETCH_LIMIT) -> None:
+    """Run a command in a folder for at most `limit` s; UnavailableError with the `failure` and the reason otherwise."""
     try:
         done = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, check=False, timeout=FETCH_LIMIT, env=_plain_language()
+            command, cwd=folder, capture_output=True, text=True, check=False, timeout=limit, env=_plain_language()
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise UnavailableError(f"{failure}: {error}") from error

@@ -5,6 +5,11 @@ Quick form: the host's root is the guest's, read-only, so the guest has the same
     /            the host's root, read-only (9p)           /run, /dev/shm   memory of the guest
     /run/out     folder of this run, writable (9p)         /run/kernels     compiled kernels, writable (9p)
 
+Full form: a disk with a Debian system of its own, systemd as init (tests.vm.system_image).
+
+    /            /dev/vda, writable, kept from boot to boot         /run, /dev/shm   memory of the guest
+    /run/out     folder of this run, writable (9p)         /run/tests, /run/sources   what plays, README and units (9p)
+
 Software emulation on purpose: it needs no privilege and works inside other virtual machines.
 """
 
@@ -14,16 +19,17 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from tests.vm import initramfs, parts
+from tests.vm import initramfs, parts, system_image
 
 PROJECT: Final = Path(__file__).parents[2]
 MEMORY_MB: Final = 2048
-PROCESSORS: Final = 3
+PROCESSORS: Final = 2
 GENERIC: Final = {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}  # machine code that host and guest both run
 
 _QUICK_INIT: Final = """#!/bin/sh
@@ -47,6 +53,21 @@ chroot /root /bin/sh /run/job > /root/run/out/console.txt 2>&1
 echo $? > /root/run/out/code
 sync
 poweroff -f
+"""
+
+_FULL_INIT: Final = """#!/bin/sh
+export PATH=/bin
+mount -t proc proc /proc; mount -t sysfs sys /sys; mount -t devtmpfs dev /dev
+{modules}
+P=trans=virtio,version=9p2000.L,msize=512000
+mount -t ext4 /dev/vda /root || poweroff -f
+mount -t tmpfs -o mode=755 run /root/run
+mkdir -p /root/run/out /root/run/tests/tests /root/run/sources
+mount -t 9p -o $P out /root/run/out
+mount -t 9p -o $P,ro,cache=loose tests /root/run/tests/tests
+mount -t 9p -o $P,ro,cache=loose sources /root/run/sources
+umount /dev; umount /sys; umount /proc
+exec switch_root /root /lib/systemd/systemd
 """
 
 
@@ -87,6 +108,35 @@ def run_quick(module: str, arguments: Sequence[str], folder: Path, limit: float)
     return result_of(folder)
 
 
+class Disk:
+    """A machine that is booted again and again from one disk of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises parts.UnavailableError."""
+        parts.require_tools(*system_image.TOOLS)
+        self.folder = folder
+        self._kernel = parts.kernel()
+        self._disk = system_image.copy_of(system_image.system_image(GENERIC), folder / "disk.ext4")
+        script = _FULL_INIT.format(modules=initramfs.load_modules(initramfs.DISK_MODULES))
+        initramfs.write(folder / "initramfs", self._kernel, parts.busybox(), script, initramfs.DISK_MODULES)
+
+    def boot(self, part: str, limit: float, cut: float | None = None) -> GuestRun:
+        """Play a part of tests.vm.guest.full; with `cut` the power goes so many seconds after the guest has asked for it."""
+        variables = {**GENERIC, "PART": part, "PYTHONDONTWRITEBYTECODE": "1"}
+        (self.folder / "environment").write_text("".join(f"{key}={value}\n" for key, value in variables.items()))
+        asked = self.folder / "cut-the-power"
+        asked.unlink(missing_ok=True)
+        shares = [
+            share("out", self.folder),
+            share("tests", PROJECT / "tests", readonly=True),
+            share("sources", PROJECT, readonly=True),
+        ]
+        command = base_command(self._kernel, self.folder)
+        command += ["-drive", f"file={self._disk},format=raw,if=virtio,cache=writeback"]
+        start_and_wait([*command, *(word for words in shares for word in words)], limit, asked, cut)
+        return result_of(self.folder)
+
+
 def kernel_cache() -> Path:
     """A folder in which every kernel is compiled, and every module of the runtime, for any processor."""
     folder = parts.cache_folder() / "kernels"
@@ -116,12 +166,18 @@ def share(tag: str, path: Path, *, readonly: bool = False) -> list[str]:
     return ["-virtfs", options + (",readonly=on" if readonly else "")]
 
 
-def start_and_wait(command: list[str], limit: float) -> None:
-    """Until the machine switches itself off, or the limit (s) is over."""
+def start_and_wait(command: list[str], limit: float, asked: Path | None = None, cut: float | None = None) -> None:
+    """Until the machine switches itself off, or the limit (s) is over; or until `cut` s after the file `asked` is there."""
+    end = time.monotonic() + limit
     with subprocess.Popen(command, stdin=subprocess.DEVNULL) as process:
-        try:
-            process.wait(limit)
-        except subprocess.TimeoutExpired:
+        while process.poll() is None:
+            if cut is not None and asked is not None and asked.exists():
+                time.sleep(cut)
+                break
+            if time.monotonic() > end:
+                break
+            time.sleep(0.1)
+        if process.poll() is None:
             process.send_signal(signal.SIGKILL)
 
 
