@@ -121,6 +121,7 @@ def test_an_endless_loop_in_simulate_can_be_interrupted(tmp_path: Path, capsys: 
             os.kill(os.getpid(), signal.SIGINT)
             pause = 10.0
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever started the tests may ignore it
     interrupts = threading.Thread(target=press)
     interrupts.start()
     try:

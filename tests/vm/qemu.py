@@ -31,6 +31,17 @@ PROJECT: Final = Path(__file__).parents[2]
 MEMORY_MB: Final = 2048
 PROCESSORS: Final = 2
 GENERIC: Final = {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}  # machine code that host and guest both run
+_IMPORTED: Final = (  # what the processes in the guest import
+    "runtime.cli.run",
+    "runtime.scheduler.session",
+    "runtime.scheduler.cycle_process",
+    "runtime.scheduler.preparation_process",
+    "runtime.scheduler.plc_process",
+    "runtime.demo.plc",
+    "runtime.fieldbus.simulator.__main__",
+    "tests.vm.guest.quick",
+    "tests.vm.guest.wire_log",
+)
 
 _QUICK_INIT: Final = """#!/bin/sh
 export PATH=/bin
@@ -94,7 +105,7 @@ def run_quick(module: str, arguments: Sequence[str], folder: Path, limit: float)
         "NUMBA_CACHE_DIR": "/run/kernels",
         "MPLCONFIGDIR": "/run/home",
         "PYTHONPATH": str(PROJECT),
-        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONPYCACHEPREFIX": "/run/kernels/bytecode",
         "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
         **GENERIC,
     }
@@ -142,7 +153,11 @@ def kernel_cache() -> Path:
     folder = parts.cache_folder() / "kernels"
     folder.mkdir(exist_ok=True)
     environment = {**os.environ, **GENERIC, "NUMBA_CACHE_DIR": str(folder), "PYTHONPATH": str(PROJECT)}
-    code = "import runtime.scheduler.session; from runtime.cli.preparing import prepare_kernels; prepare_kernels()"
+    environment["PYTHONPYCACHEPREFIX"] = str(
+        folder / "bytecode"
+    )  # of everything that is imported, whoever has installed it
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    code = f"import {', '.join(_IMPORTED)}; from runtime.cli.preparing import prepare_kernels; prepare_kernels()"
     subprocess.run([sys.executable, "-c", code], cwd=PROJECT, env=environment, check=True, stdin=subprocess.DEVNULL)
     return folder
 

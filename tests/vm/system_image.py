@@ -39,8 +39,9 @@ DEPENDENCIES_OF: Final = "tandem-cnc"
 
 _UNIT: Final = """[Unit]
 Description=What the test does in this machine
+# beside the service, which waits at boot for the drives that the test brings
 Requires=dbus.socket
-After=multi-user.target
+After=basic.target dbus.socket
 SuccessAction=poweroff
 FailureAction=poweroff-force
 
@@ -160,9 +161,22 @@ def _holds(requirement: Requirement, extra: str) -> bool:
 
 
 def _compile(root: Path, environment: dict[str, str]) -> None:
-    """The kernels, where the unit has them: an emulator would need a quarter of an hour."""
+    """Modules, as pip compiles them, and kernels, where the unit has them: an emulator would need a quarter of an hour."""
     for path in (root / "opt/tandem").rglob("*"):  # a disk made by mkfs keeps whole seconds, the cache compares
         os.utime(path, (1_700_000_000, 1_700_000_000), follow_symlinks=False)
+    compile_all = [
+        "chroot",
+        str(root),
+        "/opt/tandem/bin/python",
+        "-m",
+        "compileall",
+        "-q",
+        "-j",
+        "2",
+        "/opt/tandem/lib",
+    ]
+    # some packages carry files of other versions of Python
+    subprocess.run(compile_all, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     variables = [f"{key}={value}" for key, value in environment.items()]
     code = "import runtime.scheduler.session; from runtime.cli.preparing import prepare_kernels; prepare_kernels()"
     command = ["chroot", str(root), "/usr/bin/env", f"NUMBA_CACHE_DIR={KERNELS}", "HOME=/tmp", *variables]

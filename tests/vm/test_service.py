@@ -19,7 +19,7 @@ from tests.vm.guest.writers import STORES
 
 FIRST_LIMIT = 3600.0  # s
 BOOT_LIMIT = 1500.0  # s of each further boot
-POWER_CUTS = 3
+POWER_CUTS = 3  # one in motion, the others while the service starts
 AXES = {"X": (1, 400.0), "Y": (2, 400.0), "Z": (3, 250.0)}  # name: node, mm/s
 INCREMENTS = 10_000  # per mm
 ORDERED = (0x0F, 0x07, 0x06, 0x00)  # control words of a drive that is switched off: each takes one thing back
@@ -173,10 +173,11 @@ def test_stop_in_motion_brings_the_axes_to_rest_and_switches_the_drives_off_in_o
     assert (found["unit"]["ActiveState"], found["unit"]["Result"]) == ("inactive", "success")
     assert found["left"] == []
     assert found["retained"]["problems"] == []
-    assert_stopped_in_order(story.between("moving before stop", "stop done"))
-    here = found["after"]["positions"][:3]
-    assert here == pytest.approx([found["retained"]["positions"][axis] for axis in AXES], abs=0.01)
-    assert alarms.AXIS_MOVED.id not in ids(found["after"]), "no position was lost"
+    frames = story.between("moving before stop", "stop done")
+    assert_stopped_in_order(frames)
+    for name, (node, _) in AXES.items():
+        end = capture.targets(frames, node)[-1][1] / INCREMENTS
+        assert found["retained"]["positions"][name] == pytest.approx(end, abs=0.05), "no position was lost"
 
 
 def test_restart_in_motion_stops_in_order_and_nothing_goes_on_by_itself(story: Story) -> None:
@@ -230,7 +231,8 @@ def test_power_losses_lose_nothing_that_was_promised_and_tear_nothing(story: Sto
         assert seen["retained"]["problems"] == []
         assert alarms.SERVICE_LOST.id in seen["retained"]["alarms"], "the history of the first boot is there"
     counted = [seen["counted"] for seen in story.parts]
-    assert counted == sorted(set(counted)), "the PLC's variable counts on from boot to boot"
+    assert counted[0] > 0
+    assert counted == sorted(counted), "the PLC's variable is never set back"
 
 
 def test_it_starts_at_boot_behind_its_bus_and_ends_in_order(story: Story) -> None:

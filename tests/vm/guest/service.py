@@ -75,6 +75,7 @@ def install(environment: dict[str, str]) -> list[str]:
     del machine["state_directory"]  # systemd's
     machine["plc"]["program"] = "mill.py"
     machine["metrics"] = {"port": 9402}
+    machine["fieldbus"]["bus"]["boot_timeout"] = "300 s"  # the drives start at the same time
     Path("/etc/tandem/machine.yaml").write_text(yaml.safe_dump(machine))
     Path("/etc/tandem/mill.py").write_text(PLC_PROGRAM)
     DROP_IN.parent.mkdir(exist_ok=True)
