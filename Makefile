@@ -1,6 +1,7 @@
 # make run     the demo machine mills a plate        make test    every check and test
 # make bench   measures                              make lock    new versions of the dependencies
-# make test-vm                         the runtime on a PREEMPT_RT kernel with SocketCAN, in QEMU (skipped, with the reason, where that cannot be)
+# make test-vm                         the runtime on a PREEMPT_RT kernel with SocketCAN, then as a systemd service, in QEMU (skipped, with
+#                                      the reason, where that cannot be); VM=tests/vm/test_socketcan.py: only a part
 # make fuzz SECONDS=300                looks for bytes that crash the decoder
 # make coverage-spec SPEC=FOLDER       which entries of a catalogue have passing tests; CORE=1,2 GROUPS=1 RESULTS=FILE
 #
@@ -19,6 +20,7 @@ RESULTS ?=
 CORE ?=
 GROUPS ?=
 SECONDS ?= 300
+VM ?= tests/vm
 BIN := .venv/bin
 SPEC_RESULTS := out/spec-results.json
 
@@ -27,7 +29,7 @@ FINGERPRINT := $(shell { cat pyproject.toml requirements.lock; pwd; } | sha256su
 INSTALLED := .venv/installed-$(FINGERPRINT)
 
 help:
-	@sed -n 's/^# //p' Makefile | head -6
+	@sed -n 's/^# //p' Makefile | head -7
 
 install: $(INSTALLED)
 
@@ -86,7 +88,7 @@ fuzz: $(INSTALLED)
 
 test-vm: $(INSTALLED)
 	@echo "== virtual machine"
-	$(BIN)/python -m pytest tests/vm -rs $(PYTEST_ARGS)
+	$(BIN)/python -m pytest $(VM) -n0 -rs $(PYTEST_ARGS)
 
 bench: $(INSTALLED)
 	@$(BIN)/python -m bench

@@ -14,7 +14,7 @@ from runtime.diagnostics.catalogue import fieldbus, plc
 from tests.vm import capture, parts, qemu
 from tests.vm.guest.machine import PERIOD_MS
 
-LIMIT = 420.0  # s for the whole run in the guest
+LIMIT = 2400.0  # s for the whole run in the guest; a quiet computer needs three minutes
 AXES = {"X": 1, "Y": 2, "Z": 3}  # name: node
 INCREMENTS = 10_000  # per mm
 RAPID = {"X": 400.0, "Y": 400.0, "Z": 250.0}  # mm/s

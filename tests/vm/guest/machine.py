@@ -20,7 +20,7 @@ from runtime.hli.layout import State
 from runtime.hli.memory import HliMemory
 from runtime.hli.operator import Operator, OrderRefusedError
 
-LIMIT: Final = 180.0  # s for anything to happen at all
+LIMIT: Final = 400.0  # s for anything to happen at all
 PERIOD_MS: Final = 20  # an emulated processor is slow
 NAME: Final = "tandem-vm"
 
@@ -78,7 +78,7 @@ class GuestMachine:
                 NAME,
                 "--verbose",
                 "--start-limit",
-                "180",
+                "600",
             ],
         )
 

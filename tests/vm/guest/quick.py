@@ -84,7 +84,7 @@ def _scenes(machine: GuestMachine, folder: Path, seen: dict[str, Any]) -> None:
     program.write_text(PROGRAM)
     long_program.write_text(LONG_PROGRAM)
     machine.start()
-    machine.wait_for("running", machine.attached, 240.0)
+    machine.wait_for("running", machine.attached, 900.0)
     if machine.state() is State.ERROR:  # a computer so busy that heartbeats were late while the processes started
         machine.pause(10.0)
         machine.reset()
