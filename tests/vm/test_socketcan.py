@@ -137,11 +137,23 @@ def test_a_node_that_booted_again_is_taken_in(seen: Seen) -> None:
 
 def test_a_flood_harms_nobody_or_is_told(seen: Seen) -> None:
     scene = seen.scene("flood")
-    flooded = seen.during("flood", "flooded")
+    flooded = seen.during("flood", "flood over")
     assert sum(frame.identifier == 0x7F0 for frame in flooded) > 100
     assert scene["sent"] > 100
     told = ids_of(scene["after"]["alarms"])
     assert scene["after"]["state"] == "ACTIVE" or told, "it goes on, or says why not"
+
+
+def test_a_babbling_node_harms_nobody_or_is_told(seen: Seen) -> None:
+    scene = seen.scene("babble")
+    assert sum(frame.identifier == 0x001 for frame in seen.during("babble", "babble over")) > 100
+    told = ids_of(scene["after"]["alarms"])
+    assert scene["after"]["state"] == "ACTIVE" or told, "it goes on, or says why not"
+
+
+def test_bus_off_stops_the_machine_and_every_node_comes_back(seen: Seen) -> None:
+    told = ids_of(seen.scene("bus_off")["after"]["alarms"])
+    assert {fieldbus.BUS_OFF.id, fieldbus.NODE_REJOINED.id} <= told
 
 
 def test_an_interface_that_goes_down_and_comes_up(seen: Seen) -> None:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import json
 import os
+import socket
+import struct
 import subprocess
 import sys
 import time
@@ -151,10 +153,19 @@ def reboot(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
 
 
 def flood(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
-    """A babbling station fills the wire with frames of nobody, in motion."""
+    """A station fills the wire with frames of nobody, in motion; every frame of ours goes before its frames."""
+    _fill(machine, scene, program, 0x7F0, "flood")
+
+
+def babble(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """A broken station does the same with an identifier that goes before everything but NMT."""
+    _fill(machine, scene, program, 0x001, "babble")
+
+
+def _fill(machine: GuestMachine, scene: dict[str, Any], program: Path, identifier: int, name: str) -> None:
     _move(machine, program, scene)
-    machine.steps["flood"] = time.time()
-    frame = can.Message(arbitration_id=0x7F0, data=bytes(8), is_extended_id=False)
+    machine.steps[name] = time.time()
+    frame = can.Message(arbitration_id=identifier, data=bytes(8), is_extended_id=False)
     sent = 0
     with can.Bus(interface="socketcan", channel="can1") as station:
         end = time.monotonic() + FLOOD_TIME
@@ -164,9 +175,27 @@ def flood(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
                 sent += 1
             except can.CanError:  # its queue is full: that is the point
                 time.sleep(0.001)
-    machine.steps["flooded"] = time.time()
+    machine.steps[f"{name} over"] = time.time()
     machine.pause(2.0)
     scene |= {"sent": sent, "after": _look(machine)}
+    _rest(machine)
+
+
+def bus_off(machine: GuestMachine, scene: dict[str, Any], program: Path) -> None:
+    """The controller of the master says that it has left the bus, in motion, and comes back.
+
+    An emulated wire has no bit errors. What the driver tells in such a case is an error frame, and everybody may send one: the
+    other sockets of the card get it as they would get the driver's.
+    """
+    _move(machine, program, scene)
+    with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as driver:
+        driver.bind(("can0",))
+        driver.send(
+            struct.pack("=IB3x8s", socket.CAN_ERR_FLAG | 0x40, 8, bytes(8))
+        )  # CAN_ERR_BUSOFF, linux/can/error.h
+    machine.wait_for("bus off", lambda: machine.state() is State.ERROR)
+    machine.wait_for("bus back", lambda: sum(n == fieldbus.NODE_REJOINED.id for n, _ in machine.alarms()) == NODES)
+    scene["after"] = _look(machine)
     _rest(machine)
 
 
@@ -195,6 +224,8 @@ SCENES: dict[str, Scene] = {
     "unplug": unplug,
     "reboot": reboot,
     "flood": flood,
+    "babble": babble,
+    "bus_off": bus_off,
     "interface_down": interface_down,
     "mill_again": mill_again,
 }
