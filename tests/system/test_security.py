@@ -60,9 +60,9 @@ def test_nothing_reachable_from_the_network_can_write(machine: RunningMachine) -
     for name, status in shared.items():
         assert status.st_mode & 0o137 == 0, f"{name}: {status.st_mode:o}"
         assert status.st_uid == os.geteuid()
-    for path in machine.state.rglob("*"):
-        if path.is_file() and path.name.startswith(("retained", "plc-retain")):
-            assert path.stat().st_mode & 0o137 == 0, path
+    for file in machine.state.rglob("*"):
+        if file.is_file() and file.name.startswith(("retained", "plc-retain")):
+            assert file.stat().st_mode & 0o137 == 0, file
     assert machine.stop() == 0
 
 

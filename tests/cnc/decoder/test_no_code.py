@@ -80,7 +80,8 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> list[str]:
                 assert node.id in own or node.id in namespace or node.id in {"abs", "float", "int", "str", "len"}, (
                     source
                 )
-        return made(source, namespace)
+        function: Callable[..., Any] = made(source, namespace)
+        return function
 
     monkeypatch.setattr(compiler, "_made", watching)
     return sources
