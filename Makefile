@@ -21,6 +21,7 @@ CORE ?=
 GROUPS ?=
 SECONDS ?= 300
 VM ?= tests/vm
+PARALLEL ?= -n auto --dist loadfile
 BIN := .venv/bin
 SPEC_RESULTS := out/spec-results.json
 
@@ -67,18 +68,18 @@ check: $(INSTALLED)
 	echo "== mypy";         $(BIN)/mypy
 	echo "== lint-imports"; $(BIN)/lint-imports
 
-# The kernels as plain Python first; what stands last is the sum of everything.
+# On all processors, a file on one of them: what its tests share is made once. The kernels as plain Python first; what stands last is the sum of everything.
 pytest: $(INSTALLED)
 	@echo "== pytest, kernels uncompiled"
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m uncompiled $(PYTEST_ARGS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(PARALLEL) -m uncompiled $(PYTEST_ARGS)
 	echo "== pytest"
-	$(BIN)/python -m pytest --spec-results=$(SPEC_RESULTS) $(PYTEST_ARGS)
+	$(BIN)/python -m pytest $(PARALLEL) --spec-results=$(SPEC_RESULTS) $(PYTEST_ARGS)
 
 # Runs the tests that name entries, unless RESULTS names what an earlier run wrote (`make test` writes it too).
 coverage-spec: $(INSTALLED)
 	@if [ -z "$(SPEC)" ]; then echo "SPEC=FOLDER is missing: where the catalogue is" >&2; exit 2; fi
 	if [ -z "$(RESULTS)" ]; then
-	    $(BIN)/python -m pytest -m spec --spec-results=$(SPEC_RESULTS) $(PYTEST_ARGS) || [ $$? -eq 1 ]
+	    $(BIN)/python -m pytest $(PARALLEL) -m spec --spec-results=$(SPEC_RESULTS) $(PYTEST_ARGS) || [ $$? -eq 1 ]
 	fi
 	$(BIN)/python -m tests.coverage_spec "$(SPEC)" --results "$(or $(RESULTS),$(SPEC_RESULTS))" \
 	    $(if $(CORE),--core $(CORE)) $(if $(GROUPS),--groups)

@@ -164,21 +164,23 @@ class Supervisor:
             time.sleep(0.02)
 
     def _attach(self) -> bool:
-        """Attach to the shared memories, once the cycle process has made them."""
+        """Attach to the shared memories, once the cycle process has made them: the HLI is made first, the others follow."""
+        if self.memory is None:
+            try:
+                memory = HliMemory.attach(self.options.name)
+            except HliError:
+                return False
+            if memory.hli.head.owner_pid_r != self.cycle.pid:
+                memory.close()
+                return False
+            self.memory = memory
+        name = self.options.name
         try:
-            memory = HliMemory.attach(self.options.name)
-        except HliError:
-            return False
-        if memory.hli.head.owner_pid_r != self.cycle.pid:
-            memory.close()
-            return False
-        self.memory = memory
-        try:
-            self._events = EventRing(names.events(self.options.name), create=False)
-            self.statistics = CycleStatistics(names.statistics(self.options.name), create=False)
+            self._events = self._events or EventRing(names.events(name), create=False)
+            self.statistics = self.statistics or CycleStatistics(names.statistics(name), create=False)
             n_axes = len(self.machine.channels[0].axes)
-            self._link = PreparationLink(n_axes, names.link(self.options.name, 0), create=False)
-        except (FileNotFoundError, ValueError):  # the HLI is made first, the others follow
+            self._link = self._link or PreparationLink(n_axes, names.link(name, 0), create=False)
+        except (FileNotFoundError, ValueError):
             return False
         return True
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -305,17 +307,24 @@ def test_a_folder_that_refuses_changes(place: Place, monkeypatch: pytest.MonkeyP
 # -- programs that are called ---------------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def near() -> Iterator[Place]:
+    """A place whose names are short enough for a program to name absolutely."""
+    with tempfile.TemporaryDirectory(prefix="t") as name:
+        yield Place(Path(name))
+
+
 @pytest.mark.parametrize("name", [*OUTSIDE, "../outside/nothing.nc", "{outside}/nothing.nc", "/dev/zero", "sub/loop"])
 @pytest.mark.parametrize("call", ["L {}", '#FILE NAME [M6="{}"]\nM6', '"A" = "{}"\nL "A"'])
-def test_no_program_outside_the_folders_of_the_channel_is_called(place: Place, name: str, call: str) -> None:
+def test_no_program_outside_the_folders_of_the_channel_is_called(near: Place, name: str, call: str) -> None:
     """Not even whether it is there is told, and none of its text."""
-    (place.programs / "link").symlink_to(place.outside / "secret.txt")
-    (place.programs / "folder").symlink_to(place.outside)
-    (place.sub / "loop").symlink_to("loop")
-    problem = place.run(f"G90\n{call.format(name.format(outside=place.outside))}\nM30")
+    (near.programs / "link").symlink_to(near.outside / "secret.txt")
+    (near.programs / "folder").symlink_to(near.outside)
+    (near.sub / "loop").symlink_to("loop")
+    problem = near.run(f"G90\n{call.format(name.format(outside=near.outside))}\nM30")
     assert problem is not None
     assert problem.entry is (C.GLOBAL_MISSING if name == "sub/loop" else C.FILE_OUTSIDE)
-    assert "secret" not in problem.text.replace("secret.txt", "").replace(str(place.outside), "")
+    assert "secret" not in problem.text.replace("secret.txt", "").replace(str(near.outside), "")
 
 
 @pytest.mark.parametrize(
@@ -328,23 +337,23 @@ def test_no_program_outside_the_folders_of_the_channel_is_called(place: Place, n
         ("sub", C.GLOBAL_MISSING),
     ],
 )
-def test_names_that_no_program_can_have(place: Place, name: str, entry: object) -> None:
-    assert place.entry(f"L {name}\nM30") is entry
+def test_names_that_no_program_can_have(near: Place, name: str, entry: object) -> None:
+    assert near.entry(f"L {name}\nM30") is entry
 
 
-def test_programs_inside_are_called_by_any_name(place: Place) -> None:
-    (place.sub / "deep").mkdir()
-    (place.sub / "deep" / "a.nc").write_text("P1 = P1 + 1\nM17")
-    (place.programs / "inside").symlink_to(place.sub / "deep" / "a.nc")
-    names = ("deep/a.nc", "sub/deep/a.nc", "sub/../sub/deep/a.nc", "inside", str(place.sub / "deep" / "a.nc"))
-    assert place.run("P1 = 0\n" + "\n".join(f"L {name}" for name in names) + "\nM30") is None
-    assert place.numbers == {1: len(names)}
+def test_programs_inside_are_called_by_any_name(near: Place) -> None:
+    (near.sub / "deep").mkdir()
+    (near.sub / "deep" / "a.nc").write_text("P1 = P1 + 1\nM17")
+    (near.programs / "inside").symlink_to(near.sub / "deep" / "a.nc")
+    names = ("deep/a.nc", "sub/deep/a.nc", "sub/../sub/deep/a.nc", "inside", str(near.sub / "deep" / "a.nc"))
+    assert near.run("P1 = 0\n" + "\n".join(f"L {name}" for name in names) + "\nM30") is None
+    assert near.numbers == {1: len(names)}
 
 
-def test_the_configuration_names_programs_anywhere(place: Place) -> None:
-    change = place.outside / "change.nc"
+def test_the_configuration_names_programs_anywhere(near: Place) -> None:
+    change = near.outside / "change.nc"
     change.write_text("P1 = P1 + 1\nM17")
-    place.setup = replace(place.setup, tool_change_program=str(change))
-    assert place.run("P1 = 0\nM6\nM30") is None
-    assert place.numbers == {1: 1}
-    assert place.entry(f"L {place.outside}/secret.txt\nM30") is C.FILE_OUTSIDE
+    near.setup = replace(near.setup, tool_change_program=str(change))
+    assert near.run("P1 = 0\nM6\nM30") is None
+    assert near.numbers == {1: 1}
+    assert near.entry(f"L {near.outside}/secret.txt\nM30") is C.FILE_OUTSIDE
