@@ -68,7 +68,8 @@ check: $(INSTALLED)
 	echo "== mypy";         $(BIN)/mypy
 	echo "== lint-imports"; $(BIN)/lint-imports
 
-# On all processors, a file on one of them: what its tests share is made once. The kernels as plain Python first; what stands last is the sum of everything.
+# On all processors, each file on one of them: what its tests share is made once. The kernels as plain Python first; what stands last
+# is the sum of everything.
 pytest: $(INSTALLED)
 	@echo "== pytest, kernels uncompiled"
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(PARALLEL) -m uncompiled $(PYTEST_ARGS)
