@@ -85,13 +85,13 @@ class DriveImage:
     """
 
     SET_POINTS: Final = (
-        "target_position", "target_velocity", "target_torque", "torque_limit", "mode", "enable", "quick_stop",
+        "target_position", "target_velocity", "target_torque", "torque_limit", "profile_target", "mode", "enable", "quick_stop",
         "reset_fault", "halt", "homing_request", "probe_function", "origin", "correction", "digital_out", "analogue_out",
     )  # fmt: skip
     """The arrays that the axes write, for whoever records them."""
     FEEDBACK: Final = (
         "actual_position", "actual_velocity", "actual_torque", "drive_lag", "state", "fault_code", "mode_shown",
-        "target_reached", "limited", "drive_inputs", "homing_state", "probe_status", "probe_position", "digital_in",
+        "by_drive", "target_reached", "limited", "drive_inputs", "homing_state", "probe_status", "probe_position", "digital_in",
         "analogue_in",
     )  # fmt: skip
     """The arrays that the bus writes; `events` and the figures come beside them. Homing by the drive sets `origin` too."""
@@ -111,6 +111,7 @@ class DriveImage:
         self.mode: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveMode wanted
         self.target_torque: Floats = np.zeros(n)  # share of the rated torque (torque modes)
         self.torque_limit: Floats = np.full(n, np.inf)  # share of the rated torque; inf: the drive's own limit
+        self.profile_target: Floats = np.zeros(n)  # where a drive in profile position mode goes
         self.halt: Flags = np.zeros(
             n, dtype=np.bool_
         )  # brake and stay enabled (modes in which the drive moves by itself)
@@ -122,6 +123,7 @@ class DriveImage:
         self.state: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveState
         self.fault_code: npt.NDArray[np.int32] = np.zeros(n, dtype=np.int32)  # CiA 402 object 0x603F
         self.mode_shown: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveMode that the drive is in
+        self.by_drive: Flags = np.zeros(n, dtype=np.bool_)  # the drive moves by itself, set-points are not followed
         self.target_reached: Flags = np.zeros(n, dtype=np.bool_)  # bit 10 of the status word
         self.limited: Flags = np.zeros(n, dtype=np.bool_)  # bit 11: the drive cannot do what it is told
         self.actual_torque: Floats = np.zeros(n)  # share of the rated torque
@@ -183,11 +185,14 @@ class IdealDrives:
 
     def read(self) -> None:
         image = self.image
-        orders = image.enable.tobytes() + image.quick_stop.tobytes()
+        orders = image.enable.tobytes() + image.quick_stop.tobytes() + image.homing_request.tobytes()
         if orders != self._orders_before:
             self._orders_before = orders
             np.logical_and(image.enable, ~image.quick_stop, out=self._enabled)
             image.state[:] = _STATES[self._enabled.view(np.int8)]
+            image.homing_state[:] = np.where(
+                image.homing_request, HomingState.DONE, HomingState.IDLE
+            )  # where it stands
         np.copyto(image.actual_position, image.target_position, where=self._enabled)
         np.multiply(image.target_velocity, self._enabled, out=image.actual_velocity)
 

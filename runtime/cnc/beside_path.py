@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.axes.homing import AxisHoming, HomingPhase
+from runtime.cnc.axes.homing import AxisHoming, HomingDrive, HomingPhase
 from runtime.cnc.axes.manual import HandInputs, ManualAxis
 from runtime.cnc.blocks import MANUAL_SHARE, ManualValue
 from runtime.cnc.interpolator import Interpolator
@@ -66,13 +66,17 @@ class BesidePath:
         parameters: ChannelParameters,
         cam: Callable[[int], bool | None],
         shift: Callable[[int, float], None],
+        drives: Sequence[HomingDrive],
     ) -> None:
         self._described = list(axes)
         self._parameters = parameters
         self._cam = cam
         self._shift = shift
         self.axes = [ManualAxis(axis, period, k + 1) for k, axis in enumerate(axes)]
-        self._homing = [AxisHoming(axis, hand.motion) for axis, hand in zip(axes, self.axes, strict=True)]
+        self._homing = [
+            AxisHoming(axis, hand.motion, drive, period)
+            for axis, hand, drive in zip(axes, self.axes, drives, strict=True)
+        ]
         self.referenced = [axis.homing is None for axis in axes]
         self.offset: Floats = np.zeros(len(axes))
         self.engaged = False  # an offset, or something that makes one
@@ -98,7 +102,7 @@ class BesidePath:
     def _rest(self, offset: float) -> None:
         for hand, homing in zip(self.axes, self._homing, strict=True):
             if not homing.over:
-                homing.cancel()
+                homing.forget()
             hand.close(at_once=True)
             hand.restart(offset)
         self.offset[:] = offset
@@ -122,7 +126,9 @@ class BesidePath:
     @property
     def at_rest(self) -> bool:
         """Nothing moves beside the path."""
-        return not self.engaged or all(hand.motion.standstill for hand in self.axes)
+        return not self.engaged or (
+            all(hand.motion.standstill for hand in self.axes) and all(homing.over for homing in self._homing)
+        )
 
     def act(self, record: QueueRecord) -> None:
         """The path has come to G201, or to parameters of manual mode."""
@@ -272,17 +278,24 @@ class BesidePath:
     ) -> Problem | None:
         axis = self._described[k]
         cam = self._cam(k)
-        if cam is None:
+        if cam is None and not homing.by_drive:
             homing.cancel()
             return Problem(alarms.HOMING_NO_SIGNAL, {"axis": axis.name})
-        shift = homing.step(cam, float(actual[k]), float(path.position[k]), override, hold)
+        shift = homing.step(bool(cam), float(actual[k]), float(path.position[k]), override, hold)
         if shift:
             self._shift(k, shift)
         if homing.phase is HomingPhase.DONE:
             self.referenced[k] = True
         elif homing.phase is HomingPhase.FAILED:
             homing.phase = HomingPhase.NONE
+            if homing.by_drive:
+                return Problem(
+                    alarms.HOMING_BY_DRIVE, {"axis": axis.name, "method": axis.homing and axis.homing.method}
+                )
             return Problem(alarms.HOMING_NO_CAM, {"axis": axis.name, "way": homing.way})
+        elif homing.phase is HomingPhase.LATE:
+            homing.phase = HomingPhase.STOPPING
+            return Problem(alarms.HOMING_LATE, {"axis": axis.name, "seconds": axis.homing and axis.homing.timeout})
         return None
 
     def lose_reference(self, k: int) -> None:

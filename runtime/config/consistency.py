@@ -21,6 +21,7 @@ def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
     yield from _twice(machine)
     yield from _buses(machine)
     yield from _shared_nodes(machine)
+    yield from _drives(machine)
     yield from _unknown_axes(machine)
     yield from _spindle_axes(machine)
     yield from _axis_groups(machine)
@@ -67,7 +68,11 @@ def _nodes(machine: Machine) -> Iterator[tuple[str, int, str, Location]]:
     """Bus, node id, owner and place of every node."""
     for index, axis in enumerate(machine.axes):
         if axis.drive:
-            yield axis.drive.bus or "", axis.drive.node, f"axis {axis.name}", ("axes", index, "drive")
+            bus = axis.drive.bus or ""
+            yield bus, axis.drive.node, f"axis {axis.name}", ("axes", index, "drive")
+            if gantry := axis.drive.gantry:
+                owner = f"the second drive of axis {axis.name}"
+                yield bus, gantry.node, owner, ("axes", index, "drive", "gantry")
     for index, io in enumerate(machine.fieldbus.io):
         yield io.bus or "", io.node, f"I/O node fieldbus.io[{index}]", ("fieldbus", "io", index)
 
@@ -86,6 +91,41 @@ def _buses(machine: Machine) -> Iterator[Contradiction]:
             values = {"channel": bus.channel, "first": channels[key] or "fieldbus.bus", "second": name}
             yield Contradiction(errors.BUS_TWICE, ("fieldbus", "buses", name, "channel"), values)
         channels.setdefault(key, name)
+
+
+def _drives(machine: Machine) -> Iterator[Contradiction]:
+    """What is asked of a drive goes together; inputs of drives are names of their own."""
+    names = {name for io in machine.fieldbus.io for name in io.inputs}
+    for index, axis in enumerate(machine.axes):
+        drive = axis.drive
+        by_drive = axis.homing is not None and axis.homing.method is not None
+        if by_drive and drive is None:
+            yield _against(index, ("homing", "method"), axis.name, "homing by the drive", "the axis has no drive")
+        if drive is None:
+            continue
+        if drive.gantry is not None:
+            if by_drive:
+                reason = "each of the two drives would home by itself"
+                yield _against(index, ("homing", "method"), axis.name, "homing by the drive", reason)
+            if axis.type.value == "spindle":
+                yield _against(index, ("drive", "gantry"), axis.name, "a second drive", "it is a spindle")
+            if drive.mode == "cyclic_synchronous_velocity" or drive.modes:
+                reason = "both drives have to follow positions"
+                yield _against(index, ("drive", "gantry"), axis.name, "another mode of operation", reason)
+        if axis.type.value == "spindle" and drive.mode not in (None, "cyclic_synchronous_velocity"):
+            yield _against(
+                index, ("drive", "mode"), axis.name, f"the mode {drive.mode}", "a spindle is told velocities"
+            )
+        for bit, name in drive.inputs.items():
+            if name in names:
+                location = ("axes", index, "drive", "inputs", bit)
+                yield Contradiction(errors.NOT_UNIQUE, location, {"what": "Input", "value": name})
+            names.add(name)
+
+
+def _against(index: int, key: Location, axis: str, what: str, reason: str) -> Contradiction:
+    values = {"axis": axis, "what": what, "reason": reason}
+    return Contradiction(errors.DRIVE_CANNOT, ("axes", index, *key), values)
 
 
 def _unknown(

@@ -19,9 +19,11 @@ from runtime.config.channel.reading import read_parameters
 from runtime.config.channel.synchronisation import SYNCH_FLAGS, SYNCH_TYPES
 from runtime.config.consistency import inconsistencies
 from runtime.config.contradictions import Contradiction, ContradictionError, Location
+from runtime.config.drive import Configuration, Drive, Identity, SimulatedServo
 from runtime.config.external import ExternalVariable, Member
 from runtime.config.model import FileBeside, Model, Several, beside, folder_of
 from runtime.config.quantities import UnitError, parse_quantity
+from runtime.config.quantity_fields import Acceleration, Jerk, Length, Seconds, Velocity, VelocityStep
 from runtime.diagnostics.catalogue import configuration as errors
 from runtime.diagnostics.errors import Problem
 
@@ -39,17 +41,10 @@ __all__ = [
     "HomingSetup",
     "Location",
     "Machine",
+    "SimulatedServo",
     "UnitError",
     "parse_quantity",
 ]
-
-
-def _quantity(dimension: str) -> BeforeValidator:
-    def parse(value: object, info: ValidationInfo) -> float:
-        axis_type = info.data.get("type") if info.data else None  # of the axis the quantity belongs to
-        return parse_quantity(value, dimension, angular=None if axis_type is None else axis_type != AxisType.LINEAR)
-
-    return BeforeValidator(parse)
 
 
 def _program_beside(value: str, info: ValidationInfo) -> str:
@@ -87,13 +82,7 @@ def _parameters(value: object, info: ValidationInfo) -> object:
     return read_parameters(value, None if chosen is None else Path(chosen), folder_of(info))
 
 
-Length = Annotated[float, _quantity("length")]
-Velocity = Annotated[float, _quantity("velocity"), Field(gt=0)]
-Acceleration = Annotated[float, _quantity("acceleration"), Field(gt=0)]
-Jerk = Annotated[float, _quantity("jerk"), Field(gt=0)]
-Seconds = Annotated[float, _quantity("time"), Field(gt=0)]
 Option = Annotated[int | float | str | bool, BeforeValidator(_option)]
-Identity = Annotated[int, Field(ge=0, le=0xFFFFFFFF)]  # of CANopen object 0x1018
 ParameterList = Annotated[FileBeside, AfterValidator(_readable_list)]
 
 
@@ -103,41 +92,19 @@ class AxisType(StrEnum):
     SPINDLE = "spindle"
 
 
-class SimulatedServo(Model):
-    """The second-order servo of a simulated drive."""
-
-    bandwidth_hz: float = Field(default=40.0, gt=0)
-    damping: float = Field(default=1.0, gt=0)
-
-
-class Drive(Model):
-    """The CiA 402 drive of an axis."""
-
-    node: int = Field(ge=1, le=127)
-    bus: str | None = None  # name in fieldbus.buses; default: fieldbus.bus
-    increments_per_unit: float = Field(default=10_000.0, gt=0)  # per mm or degree
-    eds: FileBeside | None = None  # default: the EDS of the simulated drive
-    vendor_id: Identity | None = None  # checked at start when given (object 0x1018)
-    product_code: Identity | None = None
-    sdo: dict[str, int] = Field(default_factory=dict)  # start-up writes: "0x6085" or "0x60C2:1" -> value
-    simulated: SimulatedServo = SimulatedServo()
-    optional: bool = False  # the machine starts without it, and takes it in when it comes
-    configuration: Annotated[tuple[Identity, Identity], Field(strict=False)] | None = (
-        None  # 0x1020: date and time, checked
-    )
-
-
 class HomingSetup(Model):
-    """How an axis finds its reference: at the end of a cam, which it looks for in `direction`.
+    """How an axis finds its reference: by its drive if there is a `method`, else at the end of a cam, which it looks for.
 
     The cam is the input `switch`, or the PLC tells it by the control unit reference_cam of the axis.
     """
 
+    method: Annotated[int, Field(ge=-128, le=37)] | None = None  # 0x6098: the drive homes, in mode 6
+    timeout: Seconds = 60.0  # that the drive gets for it
     switch: str | None = None  # name of an input
     direction: Literal["negative", "positive"] = "negative"
     fast: Velocity
     slow: Velocity
-    position: Length = 0.0  # of the axis where it leaves the cam
+    position: Length = 0.0  # of the axis where it leaves the cam, or where its drive counts 0
     way: Annotated[Length, Field(gt=0)] | None = None  # greatest way in one direction; default: 1.1 times the travel
 
 
@@ -160,7 +127,7 @@ class Axis(Model):
     velocity: Velocity  # greatest velocity, also that of rapid traverse
     acceleration: Acceleration
     jerk: Jerk
-    velocity_step: Annotated[float, _quantity("velocity"), Field(ge=0)] = 0.0  # allowed jump of velocity at a corner
+    velocity_step: VelocityStep = 0.0  # allowed jump of velocity at a corner
     following_error: Annotated[Length, Field(gt=0)] = 5.0  # alarm above it
     in_position: Annotated[Length, Field(gt=0)] = 0.02  # window of standstill
     jog_velocity: Velocity | None = None  # by hand, until the PLC or the program names another; default: a tenth
@@ -235,9 +202,7 @@ class IoNode(Model):
     inputs: Several[str] = ()
     outputs: Several[str] = ()
     optional: bool = False  # the machine starts without it, and takes it in when it comes
-    configuration: Annotated[tuple[Identity, Identity], Field(strict=False)] | None = (
-        None  # 0x1020: date and time, checked
-    )
+    configuration: Configuration | None = None  # 0x1020: date and time, checked
 
 
 BusName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,15}$")]
@@ -322,6 +287,17 @@ class Machine(Model):
         if found := [*inconsistencies(self)]:
             raise ContradictionError(found)
         return self
+
+    @property
+    def drive_nodes(self) -> tuple[tuple[str, int, int], ...]:
+        """Bus, node id and index of the axis of every drive, in the order of the axes; a gantry has two."""
+        found = []
+        for index, axis in enumerate(self.axes):
+            if drive := axis.drive:
+                found.append((drive.bus or "", drive.node, index))
+                if drive.gantry:
+                    found.append((drive.bus or "", drive.gantry.node, index))
+        return tuple(found)
 
     def axis_index(self, name: str) -> int:
         """Index of an axis in `axes`, which is also its index in the HLI and in the drive image."""

@@ -12,18 +12,95 @@ from typing import Final
 
 from runtime.drives import DriveState
 
-# object dictionary
+# Object dictionary
+ABORT_CONNECTION_OPTION: Final = 0x6007
+ERROR_CODE: Final = 0x603F
 CONTROLWORD: Final = 0x6040
 STATUSWORD: Final = 0x6041
-ERROR_CODE: Final = 0x603F
+QUICK_STOP_OPTION: Final = 0x605A
+SHUTDOWN_OPTION: Final = 0x605B
+DISABLE_OPERATION_OPTION: Final = 0x605C
+HALT_OPTION: Final = 0x605D
+FAULT_REACTION_OPTION: Final = 0x605E
 MODES_OF_OPERATION: Final = 0x6060
+MODE_DISPLAY: Final = 0x6061
 POSITION_ACTUAL: Final = 0x6064
+FOLLOWING_ERROR_WINDOW: Final = 0x6065
+FOLLOWING_ERROR_TIMEOUT: Final = 0x6066  # ms
 VELOCITY_ACTUAL: Final = 0x606C
+TARGET_TORQUE: Final = 0x6071  # torques are in 0.1 % of the rated torque
+MAX_TORQUE: Final = 0x6072
+TORQUE_ACTUAL: Final = 0x6077
 TARGET_POSITION: Final = 0x607A
+HOME_OFFSET: Final = 0x607C
+MAX_PROFILE_VELOCITY: Final = 0x607F
+PROFILE_VELOCITY: Final = 0x6081
+PROFILE_ACCELERATION: Final = 0x6083
+PROFILE_DECELERATION: Final = 0x6084
+QUICK_STOP_DECELERATION: Final = 0x6085
+ENCODER_RESOLUTION: Final = 0x608F
+GEAR_RATIO: Final = 0x6091
+FEED_CONSTANT: Final = 0x6092
+HOMING_METHOD: Final = 0x6098
+HOMING_SPEEDS: Final = 0x6099  # 1: search for the switch, 2: search for the zero
+HOMING_ACCELERATION: Final = 0x609A
+VELOCITY_OFFSET: Final = 0x60B1
+TORQUE_OFFSET: Final = 0x60B2
+PROBE_FUNCTION: Final = 0x60B8
+PROBE_STATUS: Final = 0x60B9
+PROBE_1_RISING: Final = 0x60BA
+PROBE_1_FALLING: Final = 0x60BB
+PROBE_2_RISING: Final = 0x60BC
+PROBE_2_FALLING: Final = 0x60BD
+INTERPOLATION_DATA: Final = 0x60C1  # 1: set-point
+INTERPOLATION_PERIOD: Final = 0x60C2  # 1: value, 2: power of ten
+POSITIVE_TORQUE_LIMIT: Final = 0x60E0
+NEGATIVE_TORQUE_LIMIT: Final = 0x60E1
+FOLLOWING_ERROR: Final = 0x60F4
+DIGITAL_INPUTS: Final = 0x60FD
 TARGET_VELOCITY: Final = 0x60FF
 SUPPORTED_MODES: Final = 0x6502
 
 DEVICE_PROFILE: Final = 402
+
+# Bits of the control word that depend on the mode
+NEW_SET_POINT: Final = 0x0010  # profile position; homing: start; interpolated position: interpolate
+CHANGE_AT_ONCE: Final = 0x0020  # profile position
+HALT: Final = 0x0100
+
+# Bits of the status word
+TARGET_REACHED: Final = 0x0400
+LIMIT_ACTIVE: Final = 0x0800
+MODE_BIT_12: Final = 0x1000  # follows the command, set-point acknowledged, homing attained, speed is 0
+MODE_BIT_13: Final = 0x2000  # following error, homing error
+
+# Bits of 0x60FD
+NEGATIVE_LIMIT_BIT: Final = 0x1
+POSITIVE_LIMIT_BIT: Final = 0x2
+HOME_SWITCH_BIT: Final = 0x4
+
+# Bits of the touch probe's function (0x60B8) and status (0x60B9); those of probe 2 stand 8 bits higher
+PROBE_ON: Final = 0x01
+PROBE_CONTINUOUS: Final = 0x02
+PROBE_RISING: Final = 0x10
+PROBE_FALLING: Final = 0x20
+PROBE_IS_ON: Final = 0x01
+PROBE_HAS_RISEN: Final = 0x02
+PROBE_HAS_FALLEN: Final = 0x04
+PROBE_2_SHIFT: Final = 8
+
+
+class Stop(IntEnum):
+    """How a drive comes to rest: values of the option codes 0x605A to 0x605E; 5 to 8 are 1 to 4, and it stays enabled."""
+
+    COAST = 0
+    SLOW_DOWN_RAMP = 1  # 0x6084
+    QUICK_STOP_RAMP = 2  # 0x6085
+    CURRENT_LIMIT = 3
+    VOLTAGE_LIMIT = 4
+
+
+STAYS: Final = 5  # quick-stop option codes from here on: the drive stays in QUICK_STOP_ACTIVE
 
 
 # Status words: the first pattern that fits decides.
@@ -89,6 +166,8 @@ CONTROLWORDS: Final[dict[DriveState, tuple[int, int, int, int]]] = {
     DriveState.FAULT_REACTION_ACTIVE: (DISABLE_VOLTAGE,) * 4,
     DriveState.FAULT: (DISABLE_VOLTAGE, DISABLE_VOLTAGE, DISABLE_VOLTAGE, FAULT_RESET),
 }
+# A drive that stays in QUICK_STOP_ACTIVE (0x605A = 5 to 8) leaves it by order, when it stands: 12, or 16 where it stands.
+AT_REST_AFTER_QUICK_STOP: Final = (DISABLE_VOLTAGE, ENABLE_OPERATION, QUICK_STOP, DISABLE_VOLTAGE)
 _CONTROLWORDS: Final = tuple(CONTROLWORDS[state] for state in DriveState)
 
 FAULT_STATES: Final = (DriveState.FAULT_REACTION_ACTIVE, DriveState.FAULT)
@@ -109,6 +188,8 @@ class DriveControl:
     locked: bool = False
     fell: bool = False  # in this cycle it left OPERATION_ENABLED, unordered and without a fault
     controlword: int = DISABLE_VOLTAGE  # the one last ordered
+    stays: bool = False  # after a quick stop in QUICK_STOP_ACTIVE (option codes 5 to 8)
+    standing: bool = False  # it has come to rest there
     _acknowledging: int = 0  # cycles that the reset bit still stands
     _acknowledged: int = 0  # cycles in which the fault may still go because of the reset
     _reset_before: bool = False
@@ -157,6 +238,8 @@ class DriveControl:
         else:
             wish = Wish.DISABLE
         self.controlword = _CONTROLWORDS[self.state][wish]
+        if self.stays and self.standing and self.state is DriveState.QUICK_STOP_ACTIVE:
+            self.controlword = AT_REST_AFTER_QUICK_STOP[wish]
         return self.controlword
 
     def lose(self) -> None:

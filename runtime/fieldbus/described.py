@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import configparser
 from importlib import resources
-from typing import Final
+from typing import Final, TypedDict
 
 import canopen
 from canopen.objectdictionary import ObjectDictionaryError
@@ -15,13 +15,17 @@ from runtime.drives import DIGITAL_BYTES, DriveMode
 from runtime.fieldbus import cia402, exchange
 from runtime.fieldbus.dialogue import GUARD_TIME, LIFE_TIME_FACTOR, PRODUCER_HEARTBEAT
 from runtime.fieldbus.dictionaries import read_dictionary
+from runtime.fieldbus.drive_link import NO_TORQUE_LIMIT, PER_MILLE, ExtendedDriveLink
 from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.exchange import DriveNeeds
+from runtime.fieldbus.gantry import GantryEnd
 from runtime.fieldbus.links import DriveLink, IoLink, Links
 from runtime.fieldbus.pdo import VALUE_RANGES, ObjectKey, PdoLayout, PdoPlan, find_variable, lay_out, object_name
 
 DRIVE_EDS: Final = "tandem_cia402.eds"
 IO_EDS: Final = "tandem_cia401.eds"
 MAX_IO_BITS: Final = 64  # of one node and direction: one PDO
+STEP_MARGIN: Final = 1.05  # times the velocity limit: a set-point that goes further in a cycle is refused
 
 
 def eds_path(file: str | None, default: str) -> str:
@@ -35,28 +39,78 @@ def make_links(machine: Machine) -> Links:
     Raises FieldbusError for an EDS that cannot be read or lacks what is needed, and for start-up writes that cannot
     be made.
     """
-    links: Links = [_drive_link(axis, index, axis.drive) for index, axis in enumerate(machine.axes) if axis.drive]
+    links: Links = []
+    first_input = sum(len(io.inputs) for io in machine.fieldbus.io)
+    for index, axis in enumerate(machine.axes):
+        if axis.drive:
+            links += _drive_links(axis, index, axis.drive, machine.cycle.period, first_input)
+            first_input += len(axis.drive.inputs)
+            _fits(first_input, axis.drive.node, "inputs with those of the nodes before it")
     first_input = first_output = 0
     for number, io in enumerate(machine.fieldbus.io):
         links.append(_io_link(io, number, first_input, first_output))
         first_input += len(io.inputs)
         first_output += len(io.outputs)
         for bits, direction in ((first_input, "inputs"), (first_output, "outputs")):
-            if bits > DIGITAL_BYTES * 8:
-                text = f"{direction} with the nodes before it"
-                raise FieldbusError(
-                    catalogue.TOO_MANY_BITS, node=io.node, bits=bits, direction=text, limit=DIGITAL_BYTES * 8
-                )
+            _fits(bits, io.node, f"{direction} with the nodes before it")
     return links
 
 
-def _drive_link(axis: Axis, index: int, drive: Drive) -> DriveLink:
+def _fits(bits: int, node: int, direction: str) -> None:
+    if bits > DIGITAL_BYTES * 8:
+        raise FieldbusError(catalogue.TOO_MANY_BITS, node=node, bits=bits, direction=direction, limit=DIGITAL_BYTES * 8)
+
+
+class _Common(TypedDict):
+    """What every drive link is made of."""
+
+    node: int
+    owner: str
+    profile: int
+    vendor_id: int | None
+    product_code: int | None
+    od: canopen.ObjectDictionary
+    startup: list[tuple[int, int, int]]
+    layouts: dict[PdoPlan, PdoLayout]
+    axis: int
+    optional: bool
+    configuration: tuple[int, int] | None
+    guarded: bool
+    spindle: bool
+    increments_per_unit: float
+    mode: DriveMode
+    modes: frozenset[DriveMode]
+    period: float
+    longest: float
+    stays: bool
+
+
+def _drive_links(axis: Axis, index: int, drive: Drive, period: float, first_input: int) -> list[DriveLink]:
+    """The drive of an axis, or both of a gantry."""
+    gantry = drive.gantry
+    if gantry is None:
+        return [_drive_link(axis, index, drive, period, first_input)]
+    first, second = GantryEnd.pair(gantry.difference, period, gantry.offset)
+    scale = gantry.increments_per_unit or drive.increments_per_unit
+    other = drive.model_copy(update={"node": gantry.node, "increments_per_unit": scale, "inputs": {}})
+    return [
+        _drive_link(axis, index, drive, period, first_input, first),
+        _drive_link(axis, index, other, period, first_input, second),
+    ]
+
+
+def _drive_link(
+    axis: Axis, index: int, drive: Drive, period: float, first_input: int, end: GantryEnd | None = None
+) -> DriveLink:
     owner = f"axis {axis.name}"
     od = _dictionary(drive.eds, DRIVE_EDS, drive.node, owner)
     spindle = axis.type is AxisType.SPINDLE
-    mode = DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY if spindle else DriveMode.CYCLIC_SYNCHRONOUS_POSITION
-    layouts = _layouts(exchange.SPINDLE_PDOS if spindle else exchange.AXIS_PDOS, od, drive.node, owner)
-    return DriveLink(
+    needs = _needs(axis, drive, spindle)
+    try:
+        plans = exchange.drive_pdos(needs)
+    except ValueError as error:
+        raise FieldbusError(catalogue.TOO_MANY_PDOS, node=drive.node, owner=owner, reason=error) from None
+    common = _Common(
         node=drive.node,
         owner=owner,
         profile=cia402.DEVICE_PROFILE,
@@ -64,15 +118,54 @@ def _drive_link(axis: Axis, index: int, drive: Drive) -> DriveLink:
         product_code=drive.product_code,
         od=od,
         startup=[_startup_write(name, value, od, drive.node, owner) for name, value in drive.sdo.items()],
-        layouts=layouts,
+        layouts=_layouts(plans, od, drive.node, owner),
         axis=index,
         optional=drive.optional,
         configuration=drive.configuration,
         guarded=_guarded(od, drive.node, owner),
         spindle=spindle,
         increments_per_unit=drive.increments_per_unit,
-        mode=mode,
+        mode=needs.mode,
+        modes=needs.modes,
+        period=period,
+        longest=_longest_step(axis, drive, period),
+        stays=drive.reactions.quick_stop >= cia402.STAYS,
     )
+    if needs == DriveNeeds(spindle, exchange.plain_mode(spindle)) and end is None:
+        return DriveLink(**common)
+    return ExtendedDriveLink(
+        **common,
+        velocity_limit=axis.velocity,
+        position_gain=drive.position_gain,
+        velocity_feed_forward=drive.velocity_feed_forward or 0.0,
+        torque_feed_forward=drive.torque_feed_forward or 0.0,
+        inputs=tuple(sorted(drive.inputs)),
+        first_input=first_input,
+        home_position=axis.homing.position if axis.homing else 0.0,
+        torque_limit=NO_TORQUE_LIMIT if drive.max_torque is None else round(drive.max_torque * PER_MILLE),
+        end=end,
+    )
+
+
+def _needs(axis: Axis, drive: Drive, spindle: bool) -> DriveNeeds:
+    modes = {DriveMode[name.upper()] for name in drive.modes}
+    if axis.homing is not None and axis.homing.method is not None:
+        modes.add(DriveMode.HOMING)
+    mode = drive.runs_in(spindle=spindle)
+    return DriveNeeds(
+        spindle=spindle,
+        mode=mode,
+        modes=frozenset(modes - {mode}),
+        velocity_offset=drive.velocity_feed_forward is not None,
+        torque_offset=drive.torque_feed_forward is not None,
+        process_data=frozenset(drive.process_data),
+        inputs=bool(drive.inputs),
+    )
+
+
+def _longest_step(axis: Axis, drive: Drive, period: float) -> float:
+    """Increments that a set-point may go in one cycle: the velocity limit and what rounding and compensation add."""
+    return (STEP_MARGIN * axis.velocity * period) * drive.increments_per_unit + 2.0
 
 
 def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> IoLink:

@@ -20,6 +20,7 @@ from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.drives import DriveImage
 from runtime.fieldbus import cia402, exchange
+from runtime.fieldbus.drive_setup import drive_writes, needed_writes, parts
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink, IoLink
 from runtime.fieldbus.pdo import INVALID, NO_RTR, Direction, PdoPlan, find_variable, object_name
@@ -35,21 +36,10 @@ CONSUMER_HEARTBEAT: Final = 0x1016
 PRODUCER_HEARTBEAT: Final = 0x1017
 IDENTITY: Final = 0x1018
 VERIFY_CONFIGURATION: Final = 0x1020  # days since 1984, ms since midnight
-INTERPOLATION_PERIOD: Final = 0x60C2
 
 SYNC: Final = 0x80
 TIME: Final = 0x100
 TIME_CONSUMER: Final = 0x8000_0000
-
-# Reactions of a drive, set where it has the object (CiA 402).
-DRIVE_REACTIONS: Final = (
-    (0x6007, 1),  # connection aborted: fault
-    (0x605A, 2),  # quick stop: brake on the quick stop ramp, then switch on disabled
-    (0x605C, 1),  # disable operation: brake on the ramp first
-    (0x605E, 2),  # fault: brake on the quick stop ramp
-)
-QUICK_STOP_DECELERATION: Final = 0x6085
-FOLLOWING_ERROR_WINDOW: Final = 0x6065
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +98,10 @@ class NodeDialogues:
                 raise refused(catalogue.WRONG_CONFIGURATION, link, actual=found, expected=link.configuration)
         if isinstance(link, DriveLink) and has(link, cia402.SUPPORTED_MODES):
             modes = yield Access(cia402.SUPPORTED_MODES)
-            if not modes >> (link.mode - 1) & 1:
-                name = link.mode.name.lower().replace("_", " ")
-                raise refused(catalogue.MODE_UNSUPPORTED, link, mode=name, supported=modes)
+            for mode in (link.mode, *sorted(link.modes)):
+                if not modes >> (mode - 1) & 1:
+                    name = mode.name.lower().replace("_", " ")
+                    raise refused(catalogue.MODE_UNSUPPORTED, link, mode=name, supported=modes)
 
     def configure(self, link: DriveLink | IoLink) -> Dialogue:
         """Watching, profile, start-up list, process data: in this order."""
@@ -143,17 +134,26 @@ class NodeDialogues:
 
     def _configure_drive(self, link: DriveLink) -> Dialogue:
         axis = self._machine.axes[link.axis]
-        writes = [(index, 0, value) for index, value in DRIVE_REACTIONS]
-        # What the axis is said to be able to do, it may do when it must stop. The start-up list can say otherwise.
-        writes.append((QUICK_STOP_DECELERATION, 0, round(axis.acceleration * link.increments_per_unit)))
-        if not link.spindle:
-            # The second line of defence, behind the runtime's own watch.
-            writes.append((FOLLOWING_ERROR_WINDOW, 0, round(2 * axis.following_error * link.increments_per_unit)))
-        writes += [(INTERPOLATION_PERIOD, sub, value) for sub, value in enumerate(self._interpolation, 1)]
-        for index, subindex, value in writes:
+        for index, subindex, value in drive_writes(axis, link, self._interpolation):
             if has(link, index, subindex):
-                yield Access(index, subindex, min(value, 0xFFFF_FFFF))
-        yield Access(cia402.MODES_OF_OPERATION, 0, link.mode)
+                yield Access(index, subindex, value)
+        for index, subindex, value in needed_writes(axis, link):
+            yield Access(index, subindex, value)
+        if axis.drive is not None and (transmission := axis.drive.transmission) is not None:
+            for part in parts(transmission, link):
+                if transmission.objects == "write":
+                    yield Access(part.object, 1, part.first)
+                    yield Access(part.object, 2, part.second)
+                    continue
+                found = (yield Access(part.object, 1)), (yield Access(part.object, 2))
+                if not part.agrees(*found):
+                    raise refused(
+                        catalogue.UNITS_DIFFER,
+                        link,
+                        object=object_name(part.object),
+                        actual=f"{found[0]}:{found[1]}",
+                        expected=f"{part.first}:{part.second}",
+                    )
 
     def first_values(self, link: DriveLink | IoLink) -> Dialogue:
         """Positions, states and inputs are known before the first cycle with the node."""

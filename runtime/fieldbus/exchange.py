@@ -1,49 +1,148 @@
 """Which process data go between master and nodes: data, one row per PDO.
 
 At 1 Mbit/s a cycle of 1 ms has room for some eight frames, so each frame carries only what the cycle needs. The error
-code comes by EMCY, the velocity of an axis is the difference of its positions.
+code comes by EMCY, the velocity of an axis is the difference of its positions. What else a drive exchanges is packed behind,
+into as few PDOs as it fits; what changes seldom goes out when it changes, and now and then anyhow.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from struct import calcsize
 from typing import Final
 
-from runtime.fieldbus.cia402 import (
-    CONTROLWORD,
-    POSITION_ACTUAL,
-    STATUSWORD,
-    TARGET_POSITION,
-    TARGET_VELOCITY,
-    VELOCITY_ACTUAL,
-)
-from runtime.fieldbus.pdo import EVENT, Direction, PdoPlan
-
-AXIS_PDOS: Final = (
-    PdoPlan(Direction.RECEIVE, 1, ((CONTROLWORD, 0), (TARGET_POSITION, 0))),
-    PdoPlan(Direction.TRANSMIT, 1, ((STATUSWORD, 0), (POSITION_ACTUAL, 0))),
-)
-SPINDLE_PDOS: Final = (
-    PdoPlan(Direction.RECEIVE, 1, ((CONTROLWORD, 0), (TARGET_VELOCITY, 0))),
-    PdoPlan(Direction.TRANSMIT, 1, ((STATUSWORD, 0), (VELOCITY_ACTUAL, 0))),
-    PdoPlan(Direction.TRANSMIT, 2, ((POSITION_ACTUAL, 0),), transmission=10),  # for display only
-)
+from runtime.drives import DriveMode
+from runtime.fieldbus import cia402
+from runtime.fieldbus.pdo import EVENT, MAX_BITS, Direction, ObjectKey, PdoPlan
 
 READ_INPUTS: Final = 0x6000  # CiA 401, bytes
 WRITE_OUTPUTS: Final = 0x6200
 
 # struct codes of the exchanged objects, as the profiles prescribe; an EDS that says otherwise is refused
 CODES: Final = {
-    CONTROLWORD: "H",
-    STATUSWORD: "H",
-    POSITION_ACTUAL: "i",
-    VELOCITY_ACTUAL: "i",
-    TARGET_POSITION: "i",
-    TARGET_VELOCITY: "i",
+    cia402.CONTROLWORD: "H",
+    cia402.STATUSWORD: "H",
+    cia402.MODES_OF_OPERATION: "b",
+    cia402.MODE_DISPLAY: "b",
+    cia402.POSITION_ACTUAL: "i",
+    cia402.VELOCITY_ACTUAL: "i",
+    cia402.TARGET_TORQUE: "h",
+    cia402.MAX_TORQUE: "H",
+    cia402.TORQUE_ACTUAL: "h",
+    cia402.TARGET_POSITION: "i",
+    cia402.VELOCITY_OFFSET: "i",
+    cia402.TORQUE_OFFSET: "h",
+    cia402.PROBE_FUNCTION: "H",
+    cia402.PROBE_STATUS: "H",
+    cia402.PROBE_1_RISING: "i",
+    cia402.PROBE_1_FALLING: "i",
+    cia402.PROBE_2_RISING: "i",
+    cia402.PROBE_2_FALLING: "i",
+    cia402.INTERPOLATION_DATA: "i",
+    cia402.FOLLOWING_ERROR: "i",
+    cia402.DIGITAL_INPUTS: "I",
+    cia402.TARGET_VELOCITY: "i",
     READ_INPUTS: "B",
     WRITE_OUTPUTS: "B",
 }
 IO_PROFILE: Final = 401
 IO_REFRESH: Final = 0.1  # s; inputs and outputs are sent when they change, and this often anyhow
+MAX_PDOS: Final = 4  # of one direction: those that the predefined connection set knows
+DISPLAY_POSITION: Final = PdoPlan(
+    Direction.TRANSMIT, 2, ((cia402.POSITION_ACTUAL, 0),), transmission=10
+)  # of a spindle
+
+PROBE_POSITIONS: Final = {
+    "probe_1_rising": cia402.PROBE_1_RISING,
+    "probe_1_falling": cia402.PROBE_1_FALLING,
+    "probe_2_rising": cia402.PROBE_2_RISING,
+    "probe_2_falling": cia402.PROBE_2_FALLING,
+}
+SET_POINT_OBJECTS: Final[dict[DriveMode, ObjectKey]] = {
+    DriveMode.PROFILE_POSITION: (cia402.TARGET_POSITION, 0),
+    DriveMode.PROFILE_VELOCITY: (cia402.TARGET_VELOCITY, 0),
+    DriveMode.PROFILE_TORQUE: (cia402.TARGET_TORQUE, 0),
+    DriveMode.INTERPOLATED_POSITION: (cia402.INTERPOLATION_DATA, 1),
+    DriveMode.CYCLIC_SYNCHRONOUS_POSITION: (cia402.TARGET_POSITION, 0),
+    DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY: (cia402.TARGET_VELOCITY, 0),
+    DriveMode.CYCLIC_SYNCHRONOUS_TORQUE: (cia402.TARGET_TORQUE, 0),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class DriveNeeds:
+    """What a drive has to exchange."""
+
+    spindle: bool
+    mode: DriveMode  # the one in which it takes set-points
+    modes: frozenset[DriveMode] = frozenset()  # the others that can be ordered
+    velocity_offset: bool = False
+    torque_offset: bool = False
+    process_data: frozenset[str] = frozenset()
+    inputs: bool = False
+
+
+def plain_mode(spindle: bool) -> DriveMode:
+    """The mode of a drive of which nothing is said."""
+    return DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY if spindle else DriveMode.CYCLIC_SYNCHRONOUS_POSITION
+
+
+def drive_pdos(needs: DriveNeeds) -> tuple[PdoPlan, ...]:
+    """The PDOs of a drive. Raises ValueError if they are more than there can be."""
+    data = needs.process_data
+    orders: list[ObjectKey] = [(cia402.CONTROLWORD, 0), SET_POINT_OBJECTS[needs.mode]]
+    tells: list[ObjectKey] = [
+        (cia402.STATUSWORD, 0),
+        (cia402.VELOCITY_ACTUAL if needs.spindle else cia402.POSITION_ACTUAL, 0),
+    ]
+    if needs.modes:
+        orders.append((cia402.MODES_OF_OPERATION, 0))
+        tells.append((cia402.MODE_DISPLAY, 0))
+    further = [
+        (needs.velocity_offset, (cia402.VELOCITY_OFFSET, 0)),
+        (needs.torque_offset, (cia402.TORQUE_OFFSET, 0)),
+        ("torque_limit" in data, (cia402.MAX_TORQUE, 0)),
+        (bool(data & PROBE_POSITIONS.keys()), (cia402.PROBE_FUNCTION, 0)),
+    ]
+    orders += [key for needed, key in further if needed]
+    orders += sorted({SET_POINT_OBJECTS[mode] for mode in needs.modes if mode in SET_POINT_OBJECTS} - set(orders))
+    if "torque" in data:
+        tells.append((cia402.TORQUE_ACTUAL, 0))
+    if "following_error" in data:
+        tells.append((cia402.FOLLOWING_ERROR, 0))
+    plans = _packed(Direction.RECEIVE, orders)
+    first, *others = _packed(Direction.TRANSMIT, tells)
+    plans += [first, DISPLAY_POSITION] if needs.spindle else [first]
+    plans += [replace(plan, number=plan.number + needs.spindle) for plan in others]
+    seldom: list[tuple[ObjectKey, ...]] = [((cia402.DIGITAL_INPUTS, 0),)] if needs.inputs else []
+    # Status and position of a probe come in one frame, so that a position always is that of its status.
+    seldom += [((cia402.PROBE_STATUS, 0), (PROBE_POSITIONS[name], 0)) for name in PROBE_POSITIONS if name in data]
+    used = sum(plan.direction is Direction.TRANSMIT for plan in plans)
+    plans += [
+        PdoPlan(Direction.TRANSMIT, number, objects, EVENT, event_timer_ms=int(IO_REFRESH * 1000))
+        for number, objects in enumerate(seldom, used + 1)
+    ]
+    for direction, name in ((Direction.RECEIVE, "RPDOs"), (Direction.TRANSMIT, "TPDOs")):
+        count = sum(plan.direction is direction for plan in plans)
+        if count > MAX_PDOS:
+            raise ValueError(f"{count} {name} are needed, a node has {MAX_PDOS}")
+    return tuple(plans)
+
+
+def _packed(direction: Direction, objects: list[ObjectKey]) -> list[PdoPlan]:
+    """Each object into the first PDO that has room."""
+    rows: list[list[ObjectKey]] = []
+    for key in objects:
+        room = next((row for row in rows if _bytes([*row, key]) * 8 <= MAX_BITS), None)
+        if room is None:
+            rows.append([key])
+        else:
+            room.append(key)
+    return [PdoPlan(direction, number, tuple(row)) for number, row in enumerate(rows, 1)]
+
+
+def _bytes(objects: list[ObjectKey]) -> int:
+    return calcsize("<" + "".join(CODES[index] for index, _ in objects))
 
 
 def io_pdos(inputs: int, outputs: int) -> tuple[PdoPlan, ...]:

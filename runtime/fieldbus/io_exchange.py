@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import can
 import numpy as np
 
 from runtime.drives import DIGITAL_BYTES, DriveImage
 from runtime.fieldbus.exchange import IO_REFRESH
-from runtime.fieldbus.links import IoLink
+from runtime.fieldbus.links import IoLink, Links
 
 
 class IoExchange:
-    """`send` puts a frame on the bus; what it raises comes through."""
+    """`send` puts a frame on the bus; what it raises comes through. Drives have inputs too (object 0x60FD)."""
 
-    def __init__(self, image: DriveImage, links: Sequence[IoLink], send: Callable[[can.Message], None]) -> None:
+    def __init__(self, image: DriveImage, links: Links, send: Callable[[can.Message], None]) -> None:
         self._image = image
-        self._links = links
+        self._links = [link for link in links if isinstance(link, IoLink)]
+        self._inputs_of = [link for link in links if isinstance(link, IoLink) or link.has_inputs]
         self._send = send
         self._inputs = 0  # as published, at their place among all bits
         self._last_outputs = b""
@@ -26,7 +27,7 @@ class IoExchange:
     def publish(self) -> None:
         """The inputs of these nodes into the image; those of other buses stay."""
         bits = 0
-        for link in self._links:
+        for link in self._inputs_of:
             bits |= link.input_bits()
         if bits == self._inputs:
             return

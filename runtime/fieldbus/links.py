@@ -25,6 +25,9 @@ from runtime.fieldbus.pdo import (
 
 Receiver = Callable[[bytearray], None]
 
+STILL = 2.0  # increments per cycle that an encoder at rest may tremble
+RESTING_CYCLES = 20  # at rest, until a quick stop is over
+
 
 def wrap32(value: int) -> int:
     """`value` as a signed 32-bit number, as the wire carries it."""
@@ -81,9 +84,14 @@ class DriveLink(NodeLink):
     spindle: bool = False
     increments_per_unit: float = 1.0
     mode: DriveMode = DriveMode.CYCLIC_SYNCHRONOUS_POSITION
+    modes: frozenset[DriveMode] = frozenset()  # that can be ordered beside it
+    period: float = 0.001  # s, of the cycle
+    longest: float = math.inf  # increments that a set-point may go in one cycle
+    stays: bool = False  # after a quick stop it stays energised (0x605A is 5 to 8)
+    further: tuple[can.Message, ...] = ()  # messages beside `message`, sent in every cycle
     control: DriveControl = field(default_factory=DriveControl)
     fresh: bool = False  # feedback came since the last cycle
-    invalid: bool = False  # the set-point is no finite number
+    invalid: bool = False  # the set-point is no finite number, or a jump
     message: can.Message = field(default_factory=can.Message)
     _pack: Callable[[int, int], bytes] = field(init=False)
     _unpack: Callable[[bytearray], tuple[int, int]] = field(init=False)
@@ -92,6 +100,8 @@ class DriveLink(NodeLink):
     _value: int = 0
     _raw_position: int = 0
     _increments: int = 0
+    _resting: int = 0  # cycles at rest after a quick stop
+    _sent: int = 0  # set-point of the cycle before
     _cycles: int = 0  # since the last feedback
     moved: int = 0  # increments, between the last feedback of a lost drive and its return
 
@@ -131,7 +141,9 @@ class DriveLink(NodeLink):
         self.moved = wrap32(raw_position - self._raw_position) if self.lost else 0
         self._raw_position = self._increments = raw_position
         self._cycles = 0
-        self.control = DriveControl(locked=self.lost)  # whoever comes back waits until its enable was withdrawn once
+        self.control = DriveControl(
+            locked=self.lost, stays=self.stays
+        )  # whoever comes back waits until its enable was withdrawn once
         state = self.control.observe(status)
         self._publish(image, state, 0.0)
         if state in cia402.FAULT_STATES:
@@ -144,11 +156,15 @@ class DriveLink(NodeLink):
             return
         self.fresh = False
         before = self.control.state
+        if before is not DriveState.QUICK_STOP_ACTIVE:
+            self._resting, self.control.standing = 0, False
         state = self.control.observe(self._status)
         if self.spindle:
             velocity = self._value / self.increments_per_unit
         else:
             velocity = self._move_to(self._value) / (self.increments_per_unit * period * self._cycles)
+        if state is DriveState.QUICK_STOP_ACTIVE and self.stays:
+            self._look_for_rest(velocity)
         self._cycles = 0
         self._publish(image, state, velocity)
         if state is before:
@@ -161,28 +177,63 @@ class DriveLink(NodeLink):
         if self.control.fell:
             image.events.append(self.event(catalogue.DRIVE_DISABLED.id, int(state)))
 
+    def _look_for_rest(self, velocity: float) -> None:
+        """Bit 10 of the status word, or the position, says for some cycles that the quick stop is over."""
+        rests = bool(self._status & cia402.TARGET_REACHED) or (
+            not self.spindle and abs(velocity) * self.increments_per_unit * self.period <= STILL
+        )
+        self._resting = self._resting + 1 if rests else 0
+        self.control.standing = self._resting >= RESTING_CYCLES
+
     def _publish(self, image: DriveImage, state: DriveState, velocity: float) -> None:
         image.state[self.axis] = state
-        image.actual_position[self.axis] = self._increments / self.increments_per_unit + image.origin[self.axis]
+        i = self.axis
+        image.actual_position[i] = self._increments / self.increments_per_unit + image.origin[i] - image.correction[i]
         image.actual_velocity[self.axis] = velocity
 
     def command(self, image: DriveImage, target: float, enable: bool, quick_stop: bool, reset_fault: bool) -> None:
         """Fill `message` with the set-point of this cycle; `target` in units (a spindle: units/s)."""
         control = self.control
+        # Until the drive is enabled its target is where it stands, so that enabling never makes it jump.
         value = 0 if self.spindle else self._raw_position
         if not math.isfinite(target):
-            if not self.invalid:
-                self.invalid = True
-                image.events.append(self.event(catalogue.SETPOINT_INVALID.id))
-            quick_stop = True
-        else:
+            quick_stop = self._refuse(image, catalogue.SETPOINT_INVALID.id)
+        elif control.state is not DriveState.OPERATION_ENABLED:
             self.invalid = False
+        elif enable and not quick_stop:
+            wanted = round(target * self.increments_per_unit)
+            if self.spindle:
+                value = max(-0x8000_0000, min(0x7FFF_FFFF, wanted))
+            elif abs(wrap32(wanted - self._sent)) <= self.longest and not self.invalid:
+                value = wrap32(wanted)
+            else:
+                value, quick_stop = self._sent, self._refuse(image, catalogue.SETPOINT_JUMP.id)
         word = control.order(enable, quick_stop, reset_fault)
-        # Until the drive is enabled its target is where it stands, so that enabling never makes it jump.
-        if word == cia402.ENABLE_OPERATION and control.state is DriveState.OPERATION_ENABLED:
-            value = round(target * self.increments_per_unit)
-            value = max(-0x8000_0000, min(0x7FFF_FFFF, value)) if self.spindle else wrap32(value)
+        if word != cia402.ENABLE_OPERATION and not self.invalid:
+            value = 0 if self.spindle else self._raw_position
+        self._sent = value
         fill(self.message, self._pack(word, value))
+
+    def lose(self) -> None:
+        """The node does not answer any more."""
+        self.control.lose()
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether inputs of the image are those of the drive."""
+        return False
+
+    def input_bits(self) -> int:
+        """The inputs at their place among all of the image."""
+        return 0
+
+    def _refuse(self, image: DriveImage, error_id: int) -> bool:
+        """A set-point that the drive must not get: told once, the drive brakes by itself, until it is disabled."""
+        self.control.locked = True
+        if not self.invalid:
+            self.invalid = True
+            image.events.append(self.event(error_id))
+        return True
 
 
 @dataclass(slots=True)

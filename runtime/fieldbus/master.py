@@ -111,7 +111,7 @@ class CanopenMaster:
         self._show(load=0.0, gone=False)
         guarded = [link.node for link in self._links if link.guarded]
         self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
-        self._io = IoExchange(self.image, [link for link in self._links if isinstance(link, IoLink)], self._send)
+        self._io = IoExchange(self.image, self._links, self._send)
         if not self._shares_image:
             forget(self.image)
 
@@ -269,13 +269,16 @@ class CanopenMaster:
                 self._try_bus()
             return
         image = self.image
-        positions, velocities = (image.target_position - image.origin).tolist(), image.target_velocity.tolist()
+        positions = (image.target_position + image.correction - image.origin).tolist()
+        velocities = image.target_velocity.tolist()
         enable, quick_stop, reset = image.enable.tolist(), image.quick_stop.tolist(), image.reset_fault.tolist()
         try:
             for link in self._drives:
                 i = link.axis
                 link.command(image, (velocities if link.spindle else positions)[i], enable[i], quick_stop[i], reset[i])
                 self._send(link.message)
+                for message in link.further:
+                    self._send(message)
             self._io.send_outputs(self._cycle_time)
             if self._rejoins:
                 self._step_rejoins()
@@ -370,7 +373,7 @@ class CanopenMaster:
         link.lost = True
         self._rejoins[link.node] = Rejoin(link, self._dialogues, self._send_data, self._cycle_time)
         if isinstance(link, DriveLink):
-            link.control.lose()
+            link.lose()
             self.image.state[link.axis] = DriveState.OFFLINE
             self.image.actual_velocity[link.axis] = 0.0
 

@@ -31,7 +31,11 @@ def describe_machine(hli: Hli, machine: Machine) -> None:
 
 
 def io_bits(machine: Machine) -> tuple[dict[str, int], dict[str, int]]:
-    """The image bit of every input and of every output: counted through over the I/O nodes, in their order."""
+    """The image bit of every input and of every output: counted through over the I/O nodes, in their order.
+
+    Behind the inputs of the I/O nodes stand those of drives (object 0x60FD), in the order of the axes and of their bits.
+    """
     inputs = [name for node in machine.fieldbus.io for name in node.inputs]
+    inputs += [name for axis in machine.axes if axis.drive for _, name in sorted(axis.drive.inputs.items())]
     outputs = [name for node in machine.fieldbus.io for name in node.outputs]
     return {name: bit for bit, name in enumerate(inputs)}, {name: bit for bit, name in enumerate(outputs)}

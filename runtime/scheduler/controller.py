@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.axes.homing import HomingDrive
 from runtime.cnc.axes.job_slots import MachineJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.axes.supervision import (
@@ -106,7 +107,8 @@ class Controller:
         spindles = [Spindle(machine.axes[i], i, period) for i in indices]
         inputs, _ = io_bits(machine)
         self._cam_bits = [inputs.get(axis.homing.switch or "", -1) if axis.homing else -1 for axis in path_axes]
-        self.beside = BesidePath(path_axes, period, described.parameters, self._cam, self._shift)
+        homing = [HomingDrive(drives.image, i) for i in self._path_list]
+        self.beside = BesidePath(path_axes, period, described.parameters, self._cam, self._shift, homing)
         self.channel = Channel(
             queue,
             self.interpolator,
@@ -386,7 +388,8 @@ class Controller:
         if self.channel.error is not None:
             return Problem(alarms.CHANNEL_IN_ERROR)
         for i in self._path_axes:
-            if image.state[i] != DriveState.OPERATION_ENABLED and not self.parked[i]:
+            ready = image.state[i] == DriveState.OPERATION_ENABLED and not image.by_drive[i]
+            if not ready and not self.parked[i]:
                 return Problem(alarms.AXES_NOT_READY, {"axis": self.machine.axes[i].name})
         if self.plc is not None and not self.plc.running:
             return Problem(alarms.PLC_NOT_RUNNING)

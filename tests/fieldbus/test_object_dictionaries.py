@@ -12,7 +12,7 @@ from canopen.objectdictionary import ODVariable
 
 from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
 from runtime.fieldbus.dictionaries import read_dictionary
-from runtime.fieldbus.exchange import AXIS_PDOS, SPINDLE_PDOS, io_pdos
+from runtime.fieldbus.exchange import DriveNeeds, drive_pdos, io_pdos, plain_mode
 from runtime.fieldbus.pdo import STRUCT_CODES, VALUE_RANGES, find_variable, lay_out
 
 FILES = [DRIVE_EDS, IO_EDS]
@@ -68,7 +68,7 @@ def test_default_mappings_can_be_laid_out(file: str) -> None:
 
 def test_the_dictionaries_have_what_is_exchanged() -> None:
     drive = canopen.import_od(eds_path(None, DRIVE_EDS), 1)
-    for plan in (*AXIS_PDOS, *SPINDLE_PDOS):
+    for plan in (plan for spindle in (False, True) for plan in drive_pdos(DriveNeeds(spindle, plain_mode(spindle)))):
         assert lay_out(drive, plan.objects).codec.size <= 8
     io = canopen.import_od(eds_path(None, IO_EDS), 10)
     for plan in io_pdos(64, 64):

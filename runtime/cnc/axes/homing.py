@@ -1,8 +1,10 @@
-"""Homing by a reference cam: fast to the cam, slowly off it, and where it is left the axis has its reference.
+"""Homing by the drive (mode 6), or by a reference cam: fast to it, slowly off it, and where it is left there is the reference.
 
     SEARCH  fast to the cam, brake         (left out if the axis stands on it)
     LEAVE   slowly off the cam; the place where it is left is the reference
     RETURN  to the position of the reference
+
+    DRIVE     the drive homes by itself, the axis tracks it; then RETURN. STOPPING: it was told to stop, and brakes
 
 The motion counts in the coordinates of before; with the reference they are shifted as a whole, actual and commanded position by
 the same way, so that no axis jumps.
@@ -15,6 +17,7 @@ from enum import Enum, auto
 from runtime.cnc.axes.axis_plan import Dynamics
 from runtime.cnc.axes.single_axis import SingleAxis
 from runtime.config.machine import Axis, HomingSetup
+from runtime.drives import DriveImage, HomingState
 
 DEFAULT_WAY = 2000.0  # mm, degrees: greatest way, where neither the homing nor the software limits tell
 
@@ -23,20 +26,46 @@ class HomingPhase(Enum):
     """What an axis does for its reference."""
 
     NONE = auto()
+    DRIVE = auto()
+    STOPPING = auto()
     SEARCH = auto()
     BRAKE = auto()
     LEAVE = auto()
     REST = auto()
     RETURN = auto()
     DONE = auto()
-    FAILED = auto()  # no cam, or no end of it, on the greatest way
+    FAILED = auto()  # no cam, or no end of it, on the greatest way; the drive has told an error
+    LATE = auto()  # the drive has not found it in its time
+
+
+class HomingDrive:
+    """What homing has to do with the drive of one axis, index `i` of the image."""
+
+    def __init__(self, image: DriveImage, i: int) -> None:
+        self._image, self._i = image, i
+
+    def request(self, wanted: bool, *, hold: bool = False) -> None:
+        """Home, or stop it; `hold`: stand still meanwhile."""
+        self._image.homing_request[self._i] = wanted
+        self._image.halt[self._i] = wanted and hold
+
+    @property
+    def state(self) -> HomingState:
+        return HomingState(int(self._image.homing_state[self._i]))
+
+    @property
+    def moves_by_itself(self) -> bool:
+        return bool(self._image.by_drive[self._i])
 
 
 class AxisHoming:
     """`motion` is that of the manual axis: the way beside the path. `begin`, then `step` in every cycle until `over`."""
 
-    def __init__(self, axis: Axis, motion: SingleAxis) -> None:
+    def __init__(self, axis: Axis, motion: SingleAxis, drive: HomingDrive, period: float) -> None:
         self.phase = HomingPhase.NONE
+        self._drive = drive
+        self._period = period
+        self._time = 0.0  # s that the drive has been homing
         self._axis = axis
         self._motion = motion
         self._start = 0.0
@@ -50,7 +79,12 @@ class AxisHoming:
     @property
     def over(self) -> bool:
         """Nothing is done any more."""
-        return self.phase in (HomingPhase.NONE, HomingPhase.DONE, HomingPhase.FAILED)
+        return self.phase in (HomingPhase.NONE, HomingPhase.DONE, HomingPhase.FAILED, HomingPhase.LATE)
+
+    @property
+    def by_drive(self) -> bool:
+        """The drive looks for the reference, so no cam is needed."""
+        return self.setup is not None and self.setup.method is not None
 
     @property
     def way(self) -> float:
@@ -69,14 +103,29 @@ class AxisHoming:
             self.phase = HomingPhase.DONE
             return
         self._motion.set_limits(-float("inf"), float("inf"))
+        if self.by_drive:
+            self.phase, self._time = HomingPhase.DRIVE, 0.0
+            self._drive.request(True)
+            return
         self.phase = HomingPhase.BRAKE if cam else HomingPhase.SEARCH
         self._start = self._motion.position
         if not cam:
             self._run(self._sign * self.setup.fast)
 
     def cancel(self) -> None:
-        """Brake and forget it."""
+        """Brake and forget it. A drive that homes brakes by itself, and the axis tracks it until it stands."""
+        if self.phase is HomingPhase.DRIVE:
+            self._drive.request(False)
+            self.phase = HomingPhase.STOPPING
+            return
+        if self.phase is HomingPhase.STOPPING:
+            return
         self._motion.stop()
+        self.phase = HomingPhase.NONE
+
+    def forget(self) -> None:
+        """Somebody else says where the axis goes; a drive that homes brakes by itself."""
+        self._drive.request(False)
         self.phase = HomingPhase.NONE
 
     @property
@@ -94,6 +143,9 @@ class AxisHoming:
         """
         motion, setup = self._motion, self.setup
         if self.over or setup is None:
+            return 0.0
+        if self.phase in (HomingPhase.DRIVE, HomingPhase.STOPPING):
+            self._track(setup, actual, path, hold)
             return 0.0
         motion.step(override, hold)
         shift = 0.0
@@ -119,3 +171,25 @@ class AxisHoming:
         elif self.phase is HomingPhase.RETURN and motion.arrived:
             self.phase = HomingPhase.DONE
         return shift
+
+    def _track(self, setup: HomingSetup, actual: float, path: float, hold: bool) -> None:
+        """One cycle of a drive that moves by itself: the axis is where the drive is."""
+        motion, drive = self._motion, self._drive
+        motion.restart(actual - path)
+        state = drive.state
+        if self.phase is HomingPhase.STOPPING:
+            if not drive.moves_by_itself and state is not HomingState.STOPPING:
+                self.phase = HomingPhase.NONE
+            return
+        drive.request(True, hold=hold)
+        self._time += 0.0 if hold else self._period
+        if state is HomingState.DONE and not drive.moves_by_itself:
+            drive.request(False)
+            motion.move_to(setup.position - path, Dynamics(setup.fast, self._axis.acceleration, self._axis.jerk))
+            self.phase = HomingPhase.RETURN
+        elif state is HomingState.FAILED:
+            drive.request(False)
+            self.phase = HomingPhase.FAILED
+        elif self._time > setup.timeout:
+            self.cancel()
+            self.phase = HomingPhase.LATE

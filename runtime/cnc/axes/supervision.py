@@ -1,7 +1,7 @@
 """All axes between the interpolators and the drive image: enabling, take-over without a jump, monitoring.
 
-While a drive is not enabled its axis is in tracking: the set-point is the actual position, so that enabling never jumps. What
-the monitoring finds is handed to the caller as faults, once each; the axis stays in error until it is reset.
+While a drive is not enabled, or moves by itself, its axis is in tracking: the set-point is the actual position, so that enabling
+never jumps. What the monitoring finds is handed to the caller as faults, once each; the axis stays in error until it is reset.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ def _supervise(
     lag_limit: Floats,
     lag_monitored: Flags,
     quick_stop: Flags,
+    by_drive: Flags,
     grace: Ints,
     leave: Flags,
     faults: States,
@@ -54,13 +55,16 @@ def _supervise(
 ) -> int:
     """Fill `lag`, `faults` (0 or FAULT_*) and `enable`, let axes that are not enabled track, keep `was_enabled`.
 
+    An axis that its drive moves by itself (`by_drive`: homing, profile modes) tracks as well.
+
     `leave`: the drive must first leave its enabled state, so that the axis takes over its position before it runs again.
     Returns how many axes have a new fault; `new` tells which. While an axis has `grace` (cycles) nothing is a fault of it.
     """
     count = 0
     for i in range(target.shape[0]):
         enabled = state[i] == 5  # OPERATION_ENABLED
-        lag[i] = target[i] - actual[i] if linear[i] and enabled else 0.0
+        follows = enabled and not by_drive[i]
+        lag[i] = target[i] - actual[i] if linear[i] and follows else 0.0
         found = 0
         if grace[i] > 0:
             grace[i] -= 1
@@ -80,8 +84,9 @@ def _supervise(
             leave[i] = True
             count += 1
         was_enabled[i] = enabled
-        if not enabled:
+        if not follows:
             target[i] = actual[i]
+        if not enabled:
             leave[i] = False
         enable[i] = wanted[i] and faults[i] == 0 and not leave[i]
     return count
@@ -92,7 +97,22 @@ def _warm() -> None:
     floats, flags, states = np.ones(1), np.zeros(1, dtype=np.bool_), np.zeros(1, dtype=np.int8)
     grace = np.zeros(1, dtype=np.int64)
     _supervise(
-        floats, floats, states, flags, flags, flags, flags, floats, flags, flags, grace, flags, states, floats, states
+        floats,
+        floats,
+        states,
+        flags,
+        flags,
+        flags,
+        flags,
+        floats,
+        flags,
+        flags,
+        flags,
+        grace,
+        flags,
+        states,
+        floats,
+        states,
     )
 
 
@@ -142,6 +162,7 @@ class AxisSupervision:
             self._lag_limit,
             self.lag_monitored,
             image.quick_stop,
+            image.by_drive,
             self._grace,
             self._leave,
             self.faults,

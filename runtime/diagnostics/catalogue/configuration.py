@@ -234,6 +234,11 @@ BUS_TWICE = ErrorEntry(
     "The channel {channel} is that of two buses, {first} and {second}",
     remedy="Each bus has a channel (a CAN interface) of its own.",
 )
+DRIVE_CANNOT = ErrorEntry(
+    302050,
+    "Axis {axis} cannot have {what}: {reason}",
+    remedy="Leave one of both out.",
+)
 ERROR_TEXTS = ErrorEntry(
     302090,
     "The error texts in {file} cannot be used: {reason}",

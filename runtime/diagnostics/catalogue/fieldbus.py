@@ -115,7 +115,7 @@ WRONG_PRODUCT = ErrorEntry(
 MODE_UNSUPPORTED = ErrorEntry(
     303025,
     "the drive of {owner}, node {node}, does not know the {mode} mode (object 0x6502 is 0x{supported:X})",
-    remedy="use a drive with cyclic synchronous modes",
+    remedy="use a drive that has it, or name another `mode` in the machine description (older drives: interpolated_position)",
 )
 SDO_ABORTED = ErrorEntry(
     303026,
@@ -263,4 +263,40 @@ BUS_BACK = ErrorEntry(
     severity=Severity.MESSAGE,
     reaction=Reaction.NONE,
     remedy="acknowledge (reset) when all nodes are back",
+)
+SETPOINT_JUMP = ErrorEntry(
+    303047,
+    "the set-point of {owner} (node {node}) jumps: it goes further in one cycle than the axis may; the drive brakes by itself",
+    severity=Severity.FATAL,
+    reaction=Reaction.QUICK_STOP,
+    remedy="this is a defect of the runtime: keep the flight recorder and report it",
+)
+MODE_NOT_SHOWN = ErrorEntry(
+    303048,
+    "the drive of {owner} (node {node}) does not go into the mode of operation {code} (0x6060); it shows none of it (0x6061)",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the manual of the drive tells which modes it has, and whether it changes them while it is enabled",
+    source="IEC 61800-7-201, modes of operation",
+)
+GANTRY_SKEWED = ErrorEntry(
+    303049,
+    "the two ends of {owner} (second drive: node {node}) are {meaning} apart",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="find what holds one end back; set the axis square, then acknowledge (reset)",
+)
+UNITS_DIFFER = ErrorEntry(
+    303017,
+    "node {node} ({owner}) converts its increments otherwise than described: {object} is {actual}, expected is {expected}",
+    remedy="correct `transmission` and `increments_per_unit`, or let it write the objects (transmission.objects: write)",
+    source="IEC 61800-7-201, factor group",
+)
+UNITS_NOT_WHOLE = ErrorEntry(
+    303018,
+    "the feed of node {node} ({owner}) cannot be written: {feed:g} times {increments:g} increments is no ratio of whole numbers",
+    remedy="choose `increments_per_unit` so that a revolution of the shaft is a whole number of increments",
+)
+TOO_MANY_PDOS = ErrorEntry(
+    303029,
+    "node {node} ({owner}) cannot exchange all that is asked for: {reason}",
+    remedy="shorten `process_data` and `modes` of the drive",
 )

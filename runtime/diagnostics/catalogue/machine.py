@@ -151,6 +151,19 @@ PARKED_MOVED = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="take the axis back into use, or leave it out of the program",
 )
+HOMING_BY_DRIVE = ErrorEntry(
+    306036,
+    "the drive of axis {axis} has not found its reference: it tells an error in homing method {method}",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check switches and index pulse, and whether the drive knows the method (0x6098); then reset",
+    source="IEC 61800-7-201, homing mode",
+)
+HOMING_LATE = ErrorEntry(
+    306037,
+    "the drive of axis {axis} has not found its reference within {seconds:g} s",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="check the switch, the speeds and the direction of the method, or give it more time (`homing.timeout`); then reset",
+)
 PRE_OUTPUT_LATE = ErrorEntry(
     120815,
     "{letter}{number} would be put out {late:.4f} mm behind its planned place, allowed are {limit:.4f} mm",

@@ -36,7 +36,7 @@ ORPHAN_SILENCE = 1.0  # s without a frame, after which an orphan ends: the maste
 def refuse_taken_nodes(machine: Machine, bus: can.BusABC, now: Callable[[], float], name: str = "") -> None:
     """Nodes of the same ids on one bus would answer for each other. Raises FieldbusError, can.CanError."""
     config = machine.fieldbus.all_buses()[name]
-    nodes = [axis.drive.node for axis in machine.axes if axis.drive and (axis.drive.bus or "") == name]
+    nodes = [node for bus_name, node, _ in machine.drive_nodes if bus_name == name]
     nodes += [io.node for io in machine.fieldbus.io if (io.bus or "") == name]
     end, silent_since = now() + TAKEN_LIMIT, now()
     while now() < silent_since + 2.5 * config.heartbeat:

@@ -1,23 +1,19 @@
-"""A simulated CiA 402 drive: the device's state machine, cyclic synchronous position and velocity, faults."""
+"""A simulated CiA 402 drive: the device's state machine with its option codes, monitoring, faults.
+
+How it moves in its modes of operation is in runtime.fieldbus.simulator.drive_motion.
+"""
 
 from __future__ import annotations
 
 from enum import StrEnum
 from typing import Final
 
+from canopen.sdo.exceptions import SdoAbortedError
+
 from runtime.config.machine import SimulatedServo
-from runtime.drives import DriveMode, DriveState
-from runtime.fieldbus.cia402 import (
-    CONTROLWORD,
-    ERROR_CODE,
-    MODES_OF_OPERATION,
-    POSITION_ACTUAL,
-    STATUSWORD,
-    SUPPORTED_MODES,
-    TARGET_POSITION,
-    TARGET_VELOCITY,
-    VELOCITY_ACTUAL,
-)
+from runtime.drives import DriveState
+from runtime.fieldbus import cia402 as objects
+from runtime.fieldbus.cia402 import STAYS, Stop
 from runtime.fieldbus.links import wrap32
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.simulator.device_states import (
@@ -29,27 +25,39 @@ from runtime.fieldbus.simulator.device_states import (
     Transition,
     command_of,
 )
+from runtime.fieldbus.simulator.drive_motion import MODES, DriveMotion
 from runtime.fieldbus.simulator.node import SimulatedNode
-from runtime.fieldbus.simulator.servo import Servo
-
-MODE_DISPLAY: Final = 0x6061
-FOLLOWING_ERROR: Final = 0x60F4
-ABORT_CONNECTION_OPTION: Final = 0x6007
-QUICK_STOP_OPTION: Final = 0x605A
-DISABLE_OPERATION_OPTION: Final = 0x605C
-FAULT_REACTION_OPTION: Final = 0x605E
-FOLLOWING_ERROR_WINDOW: Final = 0x6065
-FOLLOWING_ERROR_TIMEOUT: Final = 0x6066  # ms
-QUICK_STOP_DECELERATION: Final = 0x6085
-INTERPOLATION_PERIOD: Final = 0x60C2
+from runtime.fieldbus.simulator.servo import Motor, Servo
+from runtime.fieldbus.simulator.switches import PROBE_BITS, Switches
 
 COMMUNICATION_FAULT: Final = 0x8130
 FOLLOWING_ERROR_FAULT: Final = 0x8611
+SET_POINTS_MISSING: Final = 0x8250
 OVER_CURRENT: Final = 0x2310
+EARLY: Final = 0.5  # share of the period, before which a SYNC is none
+LATE: Final = 1.5  # share of the period, after which the drive does not wait for it any more
 NO_WINDOW: Final = 0xFFFF_FFFF
+STRONGEST_BRAKE: Final = 10.0  # times the quick-stop ramp: brake at the limit of current or voltage
+UNKNOWN_MODE: Final = 0x06090030  # SDO abort: value out of range
 
-FOLLOWS_COMMAND: Final = 0x1000  # bits of the status word in the cyclic modes
-FOLLOWING_ERROR_BIT: Final = 0x2000
+PARAMETERS: Final = (
+    objects.ABORT_CONNECTION_OPTION,
+    objects.QUICK_STOP_OPTION,
+    objects.SHUTDOWN_OPTION,
+    objects.DISABLE_OPERATION_OPTION,
+    objects.HALT_OPTION,
+    objects.FAULT_REACTION_OPTION,
+    objects.FOLLOWING_ERROR_WINDOW,
+    objects.FOLLOWING_ERROR_TIMEOUT,
+    objects.MAX_PROFILE_VELOCITY,
+    objects.PROFILE_ACCELERATION,
+    objects.PROFILE_DECELERATION,
+    objects.QUICK_STOP_DECELERATION,
+    objects.HOME_OFFSET,
+    objects.HOMING_METHOD,
+    objects.HOMING_ACCELERATION,
+)
+"""Objects that are read once and then kept at hand."""
 
 
 class Fault(StrEnum):
@@ -67,15 +75,26 @@ class SimulatedDrive(SimulatedNode):
     """A drive with its motor. Increments and increments/s inside."""
 
     def __init__(
-        self, node: int, eds: str, network: PolledNetwork, servo: SimulatedServo, position: float = 0.0
+        self,
+        node: int,
+        eds: str,
+        network: PolledNetwork,
+        servo: SimulatedServo,
+        position: float,
+        motor: Motor,
     ) -> None:
-        self.servo = Servo(servo, position)
+        self.servo = Servo(servo, position, motor.rated)
+        self.zero = 0  # encoder position where the drive counts 0; set by homing
+        probes = [None if place is None else place * motor.increments_per_unit for place in (servo.probe, None)]
+        self.motion = DriveMotion(self, Switches.of(servo, motor.increments_per_unit), probes)
         self.state = DriveState.NOT_READY_TO_SWITCH_ON
         self.transitions: list[int] = []  # numbers of those taken, the last 64
         self.blocked = False
+        self.controlword = 0
+        self.parameters: dict[int, int] = {}
         self._frozen: float | None = None  # what a frozen encoder reports
-        self._controlword = 0
         self._braking_to: Transition | None = None  # brakes on the ramp before this transition
+        self._stop = Stop.QUICK_STOP_RAMP  # how it brakes
         self._off_course = 0.0  # s, since when the following error is outside its window
         self._advanced = 0.0  # time up to which the motor was moved
         super().__init__(node, eds, network)
@@ -85,88 +104,129 @@ class SimulatedDrive(SimulatedNode):
 
     def reset_application(self) -> None:
         self.state = DriveState.NOT_READY_TO_SWITCH_ON
-        self._controlword = 0
+        self.controlword = 0
         self._braking_to = None
         self.values = {
-            (CONTROLWORD, 0): 0,
-            (STATUSWORD, 0): 0,
-            (ERROR_CODE, 0): 0,
-            (MODES_OF_OPERATION, 0): 0,
-            (MODE_DISPLAY, 0): 0,
-            (POSITION_ACTUAL, 0): 0,
-            (VELOCITY_ACTUAL, 0): 0,
-            (FOLLOWING_ERROR, 0): 0,
-            (TARGET_POSITION, 0): wrap32(round(self.servo.position)),
-            (TARGET_VELOCITY, 0): 0,
-            (SUPPORTED_MODES, 0): 0x180,
+            (objects.CONTROLWORD, 0): 0,
+            (objects.STATUSWORD, 0): 0,
+            (objects.ERROR_CODE, 0): 0,
+            (objects.MODES_OF_OPERATION, 0): 0,
+            (objects.MODE_DISPLAY, 0): 0,
+            (objects.POSITION_ACTUAL, 0): 0,
+            (objects.VELOCITY_ACTUAL, 0): 0,
+            (objects.TORQUE_ACTUAL, 0): 0,
+            (objects.FOLLOWING_ERROR, 0): 0,
+            (objects.TARGET_POSITION, 0): wrap32(round(self.counted)),
+            (objects.INTERPOLATION_DATA, 1): wrap32(round(self.counted)),
+            (objects.TARGET_VELOCITY, 0): 0,
+            (objects.TARGET_TORQUE, 0): 0,
+            (objects.MAX_TORQUE, 0): self._number(objects.MAX_TORQUE),
+            (objects.POSITIVE_TORQUE_LIMIT, 0): self._number(objects.POSITIVE_TORQUE_LIMIT),
+            (objects.NEGATIVE_TORQUE_LIMIT, 0): self._number(objects.NEGATIVE_TORQUE_LIMIT),
+            (objects.PROFILE_VELOCITY, 0): self._number(objects.PROFILE_VELOCITY),
+            (objects.VELOCITY_OFFSET, 0): 0,
+            (objects.TORQUE_OFFSET, 0): 0,
+            (objects.PROBE_FUNCTION, 0): 0,
+            (objects.PROBE_STATUS, 0): 0,
+            (objects.PROBE_1_RISING, 0): 0,
+            (objects.PROBE_1_FALLING, 0): 0,
+            (objects.PROBE_2_RISING, 0): 0,
+            (objects.PROBE_2_FALLING, 0): 0,
+            (objects.DIGITAL_INPUTS, 0): 0,
+            (objects.SUPPORTED_MODES, 0): sum(1 << mode - 1 for mode in MODES),
             (0x1001, 0): 0,
         }
         self._advanced = self.now
-        self._read_parameters()
+        self._mantissa = self._number(objects.INTERPOLATION_PERIOD, 1)
+        self._exponent = self._number(objects.INTERPOLATION_PERIOD, 2)
+        self._period = self._mantissa * 10.0**self._exponent
+        self.parameters = {index: self._number(index) for index in PARAMETERS}
+        self.homing_speeds = [self._number(objects.HOMING_SPEEDS, sub) for sub in (1, 2)]
+        self.motion.reset()
         self._publish()
 
     def written(self, index: int, subindex: int, value: int) -> None:
-        if index == CONTROLWORD:
+        if index == objects.CONTROLWORD:
             self._obey(value)
-        elif index == MODES_OF_OPERATION:
-            self.values[MODE_DISPLAY, 0] = value
-        elif index == INTERPOLATION_PERIOD:
+        elif index == objects.MODES_OF_OPERATION:
+            if value and value not in MODES:
+                raise SdoAbortedError(UNKNOWN_MODE)
+            self._enter_mode()
+        elif index == objects.INTERPOLATION_PERIOD:
             if subindex == 1:
                 self._mantissa = value
             else:
                 self._exponent = value
             self._period = self._mantissa * 10.0**self._exponent
-        elif index in self._parameters:
-            self._parameters[index] = value
-
-    def _read_parameters(self) -> None:
-        self._mantissa = self._number(INTERPOLATION_PERIOD, 1)
-        self._exponent = self._number(INTERPOLATION_PERIOD, 2)
-        self._period = self._mantissa * 10.0**self._exponent
-        self._parameters = {
-            index: self._number(index)
-            for index in (
-                ABORT_CONNECTION_OPTION,
-                QUICK_STOP_OPTION,
-                DISABLE_OPERATION_OPTION,
-                FAULT_REACTION_OPTION,
-                FOLLOWING_ERROR_WINDOW,
-                FOLLOWING_ERROR_TIMEOUT,
-                QUICK_STOP_DECELERATION,
-            )
-        }
+        elif index == objects.HOMING_SPEEDS and subindex:
+            self.homing_speeds[subindex - 1] = value
+        elif index in self.parameters:
+            self.parameters[index] = value
 
     def step(self, now: float) -> None:
         if self.state is DriveState.NOT_READY_TO_SWITCH_ON:
             self._go(AUTOMATIC[self.state])
-        # A drive in cyclic operation runs on the SYNC, like one whose clock is locked to it. Without SYNC it runs on.
+        # A drive in cyclic operation runs on the SYNC, like one whose clock is locked to it. A SYNC that is missing is noticed
+        # when half of the next period has gone.
         elapsed = now - self._advanced
-        if elapsed > 2.0 * self._period or not self.operational:
-            self._move(elapsed)
+        if not self.operational:
+            self._move(elapsed, synchronised=False)
             self._advanced = now
             self._publish()
+        else:
+            while now - self._advanced > LATE * self._period:
+                self._move(self._period, synchronised=False)
+                self._advanced += self._period
+                self._publish()
         super().step(now)
 
     def before_sync(self) -> None:
-        self._move(self._period)
+        if 0.0 <= self.now - self._advanced < EARLY * self._period:
+            return  # the same SYNC once more: the clock of the drive knows better
+        self._move(self._period, synchronised=True)
         self._advanced = self.now
         self._publish()
 
     # -- state machine -----------------------------------------------------------------------------------------------
 
     def set_points_taken(self) -> None:
-        self._obey(self.values[CONTROLWORD, 0])
+        self.motion.points.receive()
+        self._enter_mode()
+        self._obey(self.values[objects.CONTROLWORD, 0])
+
+    def _enter_mode(self) -> None:
+        """0x6061 follows 0x6060, unless that asks for a mode that the drive does not have."""
+        wanted, shown = self.values[objects.MODES_OF_OPERATION, 0], self.values[objects.MODE_DISPLAY, 0]
+        if wanted != shown and wanted in MODES:
+            self.values[objects.MODE_DISPLAY, 0] = wanted
+            self.motion.begin()
+
+    @property
+    def mode(self) -> int:
+        """The `DriveMode` that the drive is in, 0: none yet."""
+        return self.values[objects.MODE_DISPLAY, 0]
+
+    @property
+    def counted(self) -> float:
+        """The position of the motor as the drive counts it."""
+        return self.servo.position - self.zero
 
     def _obey(self, controlword: int) -> None:
-        command = command_of(controlword, self._controlword)
-        self._controlword = controlword
+        command = command_of(controlword, self.controlword)
+        self.controlword = controlword
         transition = COMMANDED.get((self.state, command))
         if transition is None:
             return
-        if transition.number == 16 and self._parameters[QUICK_STOP_OPTION] < 5:
+        options = self.parameters
+        if transition.number == 16 and options[objects.QUICK_STOP_OPTION] < STAYS:
             return
-        if transition.number == 5 and self._parameters[DISABLE_OPERATION_OPTION] == 1:
-            self._braking_to = transition
+        if transition.number == 11 and options[objects.QUICK_STOP_OPTION] == Stop.COAST:
+            self._go(transition)
+            self._go(COMMANDED[self.state, Command.DISABLE_VOLTAGE])
+            return
+        option = {5: objects.DISABLE_OPERATION_OPTION, 8: objects.SHUTDOWN_OPTION}.get(transition.number)
+        if option is not None and options[option] != Stop.COAST:
+            self._braking_to, self._stop = transition, Stop(options[option])
         elif self._braking_to is None or transition.target is not DriveState.OPERATION_ENABLED:
             self._go(transition)
         if transition.number == 3 and command is Command.ENABLE_OPERATION:
@@ -178,11 +238,17 @@ class SimulatedDrive(SimulatedNode):
         self.transitions = [*self.transitions[-63:], transition.number]
         if self.state is DriveState.OPERATION_ENABLED:
             self.servo.take_over()
+            self.motion.begin()
             self._off_course = 0.0
+        elif self.state is DriveState.QUICK_STOP_ACTIVE:
+            code = self.parameters[objects.QUICK_STOP_OPTION]
+            self._stop = Stop(code - STAYS + 1 if code >= STAYS else code)
+        elif self.state is DriveState.FAULT_REACTION_ACTIVE:
+            self._stop = Stop(self.parameters[objects.FAULT_REACTION_OPTION])
         if transition.number == 15:
-            self.values[ERROR_CODE, 0] = 0
+            self.values[objects.ERROR_CODE, 0] = 0
             self.clear_emergency()
-        if self.state is DriveState.FAULT_REACTION_ACTIVE and self._parameters[FAULT_REACTION_OPTION] == 0:
+        if self.state is DriveState.FAULT_REACTION_ACTIVE and self._stop is Stop.COAST:
             self._go(AUTOMATIC[self.state])
         self._publish()
 
@@ -190,62 +256,67 @@ class SimulatedDrive(SimulatedNode):
         """Something is wrong inside: transition 13, EMCY; brake, then fault."""
         if self.state in (DriveState.FAULT_REACTION_ACTIVE, DriveState.FAULT):
             return
-        self.values[ERROR_CODE, 0] = code
+        self.values[objects.ERROR_CODE, 0] = code
         self._go(FAULT_TRANSITION)
         if code != COMMUNICATION_FAULT:  # that EMCY the node has sent itself
             self.emergency(code)
         self._publish()
 
     def connection_lost(self) -> None:
-        if self._parameters[ABORT_CONNECTION_OPTION] == 1 and self.state in (
-            DriveState.OPERATION_ENABLED,
-            DriveState.QUICK_STOP_ACTIVE,
-            DriveState.SWITCHED_ON,
-        ):
+        """The reaction of object 0x6007: 1 fault, 2 disable voltage, 3 quick stop."""
+        option = self.parameters[objects.ABORT_CONNECTION_OPTION]
+        if self.state not in (DriveState.OPERATION_ENABLED, DriveState.QUICK_STOP_ACTIVE, DriveState.SWITCHED_ON):
+            return
+        if option == 1:
             self.fail(COMMUNICATION_FAULT)
+        elif option in (2, 3):
+            self._obey(0x0000 if option == 2 else 0x0002)
 
     # -- motion ------------------------------------------------------------------------------------------------------
 
-    def _move(self, dt: float) -> None:
+    def ramp(self, stop: Stop) -> float:
+        """The deceleration of a way to stop, increments/s²."""
+        if stop is Stop.SLOW_DOWN_RAMP:
+            return float(max(1, self.parameters[objects.PROFILE_DECELERATION]))
+        quick = float(max(1, self.parameters[objects.QUICK_STOP_DECELERATION]))
+        return quick if stop is Stop.QUICK_STOP_RAMP else STRONGEST_BRAKE * quick
+
+    def _move(self, dt: float, *, synchronised: bool) -> None:
         if dt <= 0.0:
             return
-        servo, deceleration = self.servo, float(max(1, self._parameters[QUICK_STOP_DECELERATION]))
+        servo = self.servo
+        before = servo.position
         match self.state:
             case DriveState.OPERATION_ENABLED if self._braking_to is not None:
-                if servo.brake(deceleration, dt):
+                if servo.brake(self.ramp(self._stop), dt):
                     self._go(self._braking_to)
             case DriveState.OPERATION_ENABLED:
-                self._follow(dt)
+                self._operate(dt, synchronised)
             case DriveState.QUICK_STOP_ACTIVE:
-                if servo.brake(deceleration, dt) and self._parameters[QUICK_STOP_OPTION] < 5:
+                if servo.brake(self.ramp(self._stop), dt) and self.parameters[objects.QUICK_STOP_OPTION] < STAYS:
                     self._go(COMMANDED[self.state, Command.DISABLE_VOLTAGE])
             case DriveState.FAULT_REACTION_ACTIVE:
-                if servo.brake(deceleration, dt):
+                if servo.brake(self.ramp(self._stop), dt):
                     self._go(AUTOMATIC[self.state])
             case _:
                 servo.coast(dt)
+        self.motion.look(before, servo.position)
 
-    def _follow(self, dt: float) -> None:
+    def _operate(self, dt: float, synchronised: bool) -> None:
         servo = self.servo
-        if self.blocked:
-            stands = servo.position
-        if self.values[MODES_OF_OPERATION, 0] == DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY:
-            servo.follow_velocity(self.values[TARGET_VELOCITY, 0], dt)
-        else:
-            # the target is 32 bits of an endless axis: the nearest position that looks like it
-            moved = wrap32(self.values[TARGET_POSITION, 0] - round(servo.command))
-            servo.follow_position(round(servo.command) + moved, dt)
+        stands = servo.position
+        self.motion.step(dt, synchronised=synchronised)
         if self.blocked:
             servo.position, servo.velocity = stands, 0.0
-        self._watch_following_error(dt)
-
-    def _watch_following_error(self, dt: float) -> None:
-        window = self._parameters[FOLLOWING_ERROR_WINDOW]
-        if window == NO_WINDOW or abs(self.servo.command - self._reported()) <= window:
+        if self.motion.points.starved:
+            self.fail(SET_POINTS_MISSING)
+            return
+        window = self.parameters[objects.FOLLOWING_ERROR_WINDOW]
+        if window == NO_WINDOW or abs(servo.command - self._reported()) <= window:
             self._off_course = 0.0
             return
         self._off_course += dt
-        if self._off_course * 1000.0 > self._parameters[FOLLOWING_ERROR_TIMEOUT]:
+        if self._off_course * 1000.0 > self.parameters[objects.FOLLOWING_ERROR_TIMEOUT]:
             self.fail(FOLLOWING_ERROR_FAULT)
 
     def freeze_encoder(self, frozen: bool) -> None:
@@ -255,16 +326,32 @@ class SimulatedDrive(SimulatedNode):
         return self.servo.position if self._frozen is None else self._frozen
 
     def _publish(self) -> None:
-        values, servo = self.values, self.servo
+        values, servo, zero = self.values, self.servo, self.zero
         status = STATUSWORDS[self.state]
         if self.state is DriveState.OPERATION_ENABLED and self._braking_to is None:
-            status |= FOLLOWS_COMMAND
-            if self._off_course:
-                status |= FOLLOWING_ERROR_BIT
-        values[STATUSWORD, 0] = status
-        values[POSITION_ACTUAL, 0] = wrap32(round(self._reported()))
-        values[VELOCITY_ACTUAL, 0] = wrap32(round(servo.velocity)) if self._frozen is None else 0
-        values[FOLLOWING_ERROR, 0] = wrap32(round(servo.command - self._reported()))
+            status |= self.motion.status_bits(lagging=self._off_course > 0.0)
+        elif self.state is DriveState.QUICK_STOP_ACTIVE and servo.velocity == 0.0:
+            status |= objects.TARGET_REACHED
+        values[objects.STATUSWORD, 0] = status
+        reported = self._reported()
+        values[objects.POSITION_ACTUAL, 0] = wrap32(round(reported - zero))
+        values[objects.VELOCITY_ACTUAL, 0] = wrap32(round(servo.velocity)) if self._frozen is None else 0
+        values[objects.TORQUE_ACTUAL, 0] = max(-0x8000, min(0x7FFF, round(servo.torque * 1000.0)))
+        values[objects.FOLLOWING_ERROR, 0] = wrap32(round(servo.command - reported))
+        motion = self.motion
+        if motion.blind:
+            return
+        values[objects.DIGITAL_INPUTS, 0] = motion.switches.bits(servo.position) | sum(
+            bit for bit, probe in zip(PROBE_BITS, motion.probes, strict=True) if probe.level(servo.position)
+        )
+        first, second = motion.probes
+        values[objects.PROBE_STATUS, 0] = first.bits | second.bits
+        values[objects.PROBE_1_RISING, 0], values[objects.PROBE_1_FALLING, 0] = self._latched(first.positions)
+        values[objects.PROBE_2_RISING, 0], values[objects.PROBE_2_FALLING, 0] = self._latched(second.positions)
+
+    def _latched(self, positions: list[float]) -> tuple[int, int]:
+        rising, falling = (wrap32(round(position - self.zero)) for position in positions)
+        return rising, falling
 
     @property
     def moving(self) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import can
 
-from runtime.config.machine import Machine
+from runtime.config.machine import Axis, Drive, Machine, SimulatedServo
 from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
 from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.lss import TO_SLAVES
@@ -20,6 +20,7 @@ from runtime.fieldbus.simulator.encoder import EncoderFile
 from runtime.fieldbus.simulator.io import SimulatedIo
 from runtime.fieldbus.simulator.node import SimulatedNode
 from runtime.fieldbus.simulator.plant import SimulatedPlant
+from runtime.fieldbus.simulator.servo import Motor
 
 OTHER_VENDOR = 0x1234
 MAX_FRAMES_PER_POLL = 128
@@ -36,6 +37,12 @@ class NodeNetwork(PolledNetwork):
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
         if can_id & 0x7F not in self.silent:
             super().send_message(can_id, data, remote)
+
+
+def _motor_of(axis: Axis, drive: Drive, increments_per_unit: float) -> Motor:
+    strongest = max([axis.acceleration, *(stage.acceleration for stage in axis.gear_stages)])
+    rated = drive.simulated.rated_acceleration or 2.0 * strongest
+    return Motor(increments_per_unit, rated * increments_per_unit)
 
 
 class SimulatedBus:
@@ -114,17 +121,22 @@ class SimulatedNodes:
         # A simulated node has the dictionary of our own EDS, whatever the real device would have.
         for axis in machine.axes:
             if drive := axis.drive:
-                number, on = self._place(drive.bus, drive.node)
-                position = encoders[number] if encoders else 0.0
-                eds = eds_path(None, DRIVE_EDS)
-                self.drives[number] = SimulatedDrive(drive.node, eds, on.network, drive.simulated, position)
-                on.nodes[drive.node] = self.drives[number]
+                self._add_drive(drive, drive.node, drive.simulated, _motor_of(axis, drive, drive.increments_per_unit))
+                if gantry := drive.gantry:
+                    scale = gantry.increments_per_unit or drive.increments_per_unit
+                    self._add_drive(drive, gantry.node, gantry.simulated, _motor_of(axis, drive, scale))
         for io in machine.fieldbus.io:
             number, on = self._place(io.bus, io.node)
             eds = eds_path(None, IO_EDS)
             self.ios[number] = SimulatedIo(io.node, eds, on.network, io.inputs, io.outputs)
             on.nodes[io.node] = self.ios[number]
         self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
+
+    def _add_drive(self, drive: Drive, node: int, servo: SimulatedServo, motor: Motor) -> None:
+        number, on = self._place(drive.bus, node)
+        position = self._encoders[number] if self._encoders else 0.0
+        eds = eds_path(None, DRIVE_EDS)
+        self.drives[number] = on.nodes[node] = SimulatedDrive(node, eds, on.network, servo, position, motor)
 
     def _place(self, bus: str | None, node: int) -> tuple[int, SimulatedBus]:
         """Number of a node among all, and its bus."""
