@@ -17,6 +17,7 @@ from runtime.config.channel.list_file import read_list
 from runtime.config.channel.parameters import ChannelParameters, ChannelSpindle, PathKind
 from runtime.config.channel.reading import read_parameters
 from runtime.config.channel.synchronisation import SYNCH_FLAGS, SYNCH_TYPES
+from runtime.config.compensation import Compensation
 from runtime.config.consistency import inconsistencies
 from runtime.config.contradictions import Contradiction, ContradictionError, Location
 from runtime.config.drive import Configuration, Drive, Identity, SimulatedServo
@@ -133,6 +134,7 @@ class Axis(Model):
     jog_velocity: Velocity | None = None  # by hand, until the PLC or the program names another; default: a tenth
     homing: HomingSetup | None = None  # None: the encoder is absolute, the axis has its reference always
     drive: Drive | None = None
+    compensation: Compensation | None = None
     gear_stages: Several[GearStage] = Field(default=(), max_length=6)  # of a spindle; without: one stage
 
     @model_validator(mode="after")

@@ -165,7 +165,8 @@ def _needs(axis: Axis, drive: Drive, spindle: bool) -> DriveNeeds:
 
 def _longest_step(axis: Axis, drive: Drive, period: float) -> float:
     """Increments that a set-point may go in one cycle: the velocity limit and what rounding and compensation add."""
-    return (STEP_MARGIN * axis.velocity * period) * drive.increments_per_unit + 2.0
+    correction = axis.compensation.velocity if axis.compensation else 0.0
+    return (STEP_MARGIN * axis.velocity + correction) * period * drive.increments_per_unit + 2.0
 
 
 def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> IoLink:

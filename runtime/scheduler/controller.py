@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.axes.compensation import AxisCompensation
 from runtime.cnc.axes.homing import HomingDrive
 from runtime.cnc.axes.job_slots import MachineJobs
 from runtime.cnc.axes.spindle import Spindle
@@ -134,6 +135,7 @@ class Controller:
         )
         self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)
+        self.compensation = AxisCompensation(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
         self.jobs = MachineJobs(machine, hli, drives.image, self._path_list, self.channel.jobs.ordered)
@@ -171,6 +173,8 @@ class Controller:
         self.publisher.outputs()
         self._obey()
         self._move()
+        if self.compensation.used:
+            self.compensation.step()
         self.orders.show_limits(self.channel)
         self.publisher.status(self.orders.inputs.override)
         self.drives.write()

@@ -234,6 +234,11 @@ BUS_TWICE = ErrorEntry(
     "The channel {channel} is that of two buses, {first} and {second}",
     remedy="Each bus has a channel (a CAN interface) of its own.",
 )
+COMPENSATION_TABLE = ErrorEntry(
+    302051,
+    "The table of pitch errors cannot be used: {reason}",
+    remedy="Rows are a position and the error there, both in mm or degrees; lines of a file that begin with # are comments.",
+)
 DRIVE_CANNOT = ErrorEntry(
     302050,
     "Axis {axis} cannot have {what}: {reason}",
