@@ -90,10 +90,16 @@ def survey(looking: Commissioning, found: Sequence[FoundNode], eds_files: Sequen
     return surveys
 
 
+def _limit(value: int | None) -> int | None:
+    """A limit that is not set is the greatest number."""
+    return None if value == 0xFFFF_FFFF else value
+
+
 def _ask(client: PumpedSdoClient, node: FoundNode, eds_files: Sequence[EdsFile]) -> Survey:
     def pair(index: int) -> tuple[int, int] | None:
         first, second = read_number(client, index, 1), read_number(client, index, 2)
-        return (first, second) if first and second else None
+        # 1:1 is what an object says that nobody has ever set; of a gear it says nothing either
+        return (first, second) if first and second and (first, second) != (1, 1) else None
 
     drive = node.device_type & 0xFFFF == 402
     io = node.device_type & 0xFFFF == 401
@@ -103,7 +109,7 @@ def _ask(client: PumpedSdoClient, node: FoundNode, eds_files: Sequence[EdsFile])
         if drive
         else Factors(),
         modes=read_number(client, SUPPORTED_MODES) if drive else None,
-        max_velocity=read_number(client, MAX_PROFILE_VELOCITY) if drive else None,
+        max_velocity=_limit(read_number(client, MAX_PROFILE_VELOCITY)) if drive else None,
         max_motor_speed=read_number(client, MAX_MOTOR_SPEED) if drive else None,
         inputs=8 * (read_number(client, INPUTS) or 0) if io else 0,
         outputs=8 * (read_number(client, OUTPUTS) or 0) if io else 0,
