@@ -310,6 +310,28 @@ class BlockEnd:
 
 
 @dataclass(frozen=True, slots=True)
+class StepEnd:
+    """The end of an NC block without motion at which single step stops (P-CHAN-00015)."""
+
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class StopMark:
+    """#STOP REVERSIBLE: the path stops here until continue, if `level` is 0 or shares a bit with that of the PLC.
+
+    `forward`, `again`, `backward`: whether it does for the first time, forward again, and backward. `user` is for the PLC.
+    """
+
+    source: Source
+    level: int = 0
+    forward: bool = True
+    again: bool = True
+    backward: bool = True
+    user: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class SoftwareLimitChange:
     """G98, G99: the software limits from here on, (negative, positive) per axis, ±inf where there is none.
 
@@ -847,6 +869,8 @@ Block = (
     | Dwell
     | Stop
     | BlockEnd
+    | StepEnd
+    | StopMark
     | SoftwareLimitChange
     | DynamicsChange
     | RadiusCompensation

@@ -84,6 +84,7 @@ _WITHOUT_EFFECT = frozenset(
 )
 _BLOCK_SEARCH = int(StopCondition.BLOCK_SEARCH)
 _RETURN_TO_CONTOUR = int(StopCondition.RETURN_TO_CONTOUR)
+_FIRST_TIME = 1  # bit of a stop mark
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
 
@@ -124,6 +125,7 @@ class ChannelInputs:
     backward: bool = False
     simulate_motion: bool = False
     simulate_mask: int = 0
+    stop_level: int = 0
     restricted: bool = False  # a direction is blocked, or an axis has dynamic limits
     # of the path axes, in their order
     axis_holds: list[bool] = field(default_factory=list)
@@ -290,6 +292,7 @@ class Channel:
         if not self._came_to_end:
             self.jobs.stop()
         self.search.end(reached=self._came_to_end)
+        self._show_stop_mark(None)
         self._drops = drop
         self.phase = Phase.CLEARING
 
@@ -512,6 +515,12 @@ class Channel:
             if not path.at_gate:
                 return _NONE
             return _WAIT_TECHNOLOGY if self.functions.plc_owes(gate) else _WAIT_SPINDLE
+        if gate.reason is GateReason.STEP and not inputs.single_block:
+            path.open_steps()
+            return _NONE
+        if gate.reason is GateReason.STOP_MARK and not self._stops_at(gate, inputs):
+            path.open_gate()
+            return _NONE
         if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
             path.open_gate()
             return _NONE
@@ -552,7 +561,24 @@ class Channel:
             self._came_to_end = True
             self._clear(drop=False)
             return _NONE
+        if gate.reason is GateReason.STEP:
+            return self._go_on(pressed, _SINGLE_BLOCK | _WAIT_CONTINUE)
+        if gate.reason is GateReason.STOP_MARK:
+            waits = self._go_on(pressed, _WAIT_CONTINUE)
+            self._show_stop_mark(gate if path.gate >= 0 else None)
+            return waits
         return self._go_on(pressed, _WAIT_CONTINUE)
+
+    def _stops_at(self, mark: QueueRecord, inputs: ChannelInputs) -> bool:
+        """Whether a mark of #STOP REVERSIBLE stops the path; of those that are come to again only they are filled."""
+        this_way = self.backward.replaying or bool(mark.offset & _FIRST_TIME)
+        return this_way and (mark.number == 0 or bool(mark.number & inputs.stop_level))
+
+    def _show_stop_mark(self, mark: QueueRecord | None) -> None:
+        """The path stands at a mark, or no longer."""
+        status = self._area.status
+        status.is_stopped_r = mark is not None
+        status.stop_user_value_r = 0 if mark is None else int(mark.value)
 
     @property
     def path_way(self) -> int:

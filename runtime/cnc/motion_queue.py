@@ -74,6 +74,8 @@ class GateReason(IntEnum):
     USER_ERROR = 8  # #ERROR: the path goes no further
     EXACT_STOP = 9  # every axis within its window of standstill
     OPTIONAL_SECTION = 11  # the section behind it may be left out
+    STOP_MARK = 12  # #STOP REVERSIBLE
+    STEP = 13  # the end of an NC block without motion: single step stops
     AXIS_JOBS = 10  # jobs of axes outside the path are done
     MANUAL = 20  # G200: moved by hand until continue
     MANUAL_END = 21  # G202: the motion by hand has ended

@@ -173,7 +173,7 @@ class ChannelCommands:
         self._status = channel.status
         self._control = control
         self._operator = operator
-        self._changes = Changes(control, "feedhold", "simulate_motion_mask")
+        self._changes = Changes(control, "feedhold", "stop_level")
         self._operator_changes = Changes(operator, "override_w", "simulate_motion_w")
         self._flags_before = (False, False)
         self._max_override = max_override
@@ -196,6 +196,7 @@ class ChannelCommands:
         self.backward_storage_off = False
         self.simulate_motion = False
         self.simulate_mask = 0
+        self.stop_level = 0
         self._delete = OneShot(control.delete_distance_to_go)
 
     def sample(self) -> None:
@@ -232,6 +233,7 @@ class ChannelCommands:
         self.backward = sample_bool(control.backward_motion, present, bool(operator.backward_motion_w))
         self.backward_storage_off = sample_bool(control.backward_storage_off, present, False)
         self.simulate_motion = sample_bool(control.simulate_motion, present, bool(operator.simulate_motion_w))
+        self.stop_level = sample_uns32(control.stop_level, present, 0)
         self.simulate_mask = sample_uns32(control.simulate_motion_mask, present, 0) & 2**63 - 1
 
 

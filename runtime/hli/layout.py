@@ -764,6 +764,7 @@ class ChannelControl(c.Structure):
         ("backward_storage_off", BoolUnit),  # taken over at the start of a program: nothing of it is kept
         ("simulate_motion", BoolUnit),  # sections of #OPTIONAL EXECUTION are left out
         ("simulate_motion_mask", Uns64Unit),
+        ("stop_level", Uns32Unit),  # marks of #STOP REVERSIBLE that stop: bits of their LEVEL
         ("manual", ManualControl),
         ("block_search", SearchUnit),
         (
@@ -807,6 +808,8 @@ class ChannelStatus(c.Structure):
         ("techno_time_to_go_r", c.c_uint32),  # µs, the same; 4294967295: not to be foreseen
         ("path_way_r", c.c_uint32),  # PathWay
         ("path_kept_r", c.c_uint32),  # records that can be driven backward
+        ("is_stopped_r", c.c_bool),  # at a mark of #STOP REVERSIBLE
+        ("stop_user_value_r", c.c_uint32),  # its USR_VAL
         ("block_search_state_r", c.c_uint32),  # SearchState
         ("block_search_active_r", c.c_bool),  # the PLC gets the functions that were left out
         ("interruption", Interruption),

@@ -239,6 +239,7 @@ class ChannelPort(_Area):
     backward_storage_off = BoolCommand("backward_storage_off", "From the next program start on nothing is kept.")
     simulate_motion = BoolCommand("simulate_motion", "Leave out the sections of #OPTIONAL EXECUTION.")
     simulate_motion_mask = MaskCommand("simulate_motion_mask", "Which of those with SIMULATE MASK.")
+    stop_level = MaskCommand("stop_level", "Which marks of #STOP REVERSIBLE stop, by the bits of their LEVEL.")
     block_search_on = BoolCommand("block_search_on", "Agrees to a block search; FALSE again: what it put out is done.")
 
     def __init__(self, channel: Channel) -> None:

@@ -66,7 +66,7 @@ class Orders:
         inputs.continue_motion = commands.continue_motion
         inputs.read_disable = commands.read_disable
         inputs.delete_distance = commands.delete_distance
-        inputs.backward = commands.backward
+        inputs.backward, inputs.stop_level = commands.backward, commands.stop_level
         inputs.simulate_motion, inputs.simulate_mask = commands.simulate_motion, commands.simulate_mask
 
     def _sample_path_axes(self) -> None:

@@ -325,6 +325,9 @@ class Decoder:
                     self._words.define_macro(name, content)
             if block.assigned and block.number < 0:
                 block.values()
+                if x.setup.single_step > 0:
+                    x.source = Source(unit.name, block.source.line)
+                    x.step_end(len(x.out))
                 after_block(x, False)
                 return
             values = block.values() if x.waiting is None else _values(x, block)
@@ -333,6 +336,9 @@ class Decoder:
                     additions.expect_no_line(x)
                 if frame is not None:
                     self._flow.control(frame, entry, block, values)
+                    if x.setup.single_step > 0:
+                        x.source = Source(unit.name, block.source.line)
+                        x.step_end(len(x.out))
                 return
             number = -1
             if block.number >= 0:
@@ -342,7 +348,11 @@ class Decoder:
             x.source = shown or Source(unit.name, block.source.line, None if number < 0 else number)
             if block.flush:
                 additions.expect_no_line(x)
+            since = len(x.out)
             self._words.execute(frame, entry, block, values)
+            content = block.words or block.statement or block.declarations or block.macros  # else it is a comment
+            if x.setup.single_step >= 0 and x.again is None and content:
+                x.step_end(min(since, len(x.out)))
             if x.again is not None:
                 additions.expect_no_line(x)
         except WaitForOutside as wait:

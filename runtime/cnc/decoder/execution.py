@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, ExactStop, Floats, Polyline, Source
+from runtime.cnc.blocks import Block, BlockEnd, Dwell, ExactStop, Floats, Polyline, Source, StepEnd
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -32,7 +32,7 @@ from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.smoothing import Smoothing
 from runtime.cnc.decoder.spindles import Spindles
-from runtime.cnc.decoder.steps import Steps
+from runtime.cnc.decoder.steps import CONTROLS, ENDS_STEP, Steps
 from runtime.cnc.decoder.tooling import Tooling
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.dynamic_settings import CornerDeceleration
@@ -147,7 +147,7 @@ class Execution:
             False  # a contour line waits for the next one; nothing is handed over meanwhile (see additions)
         )
         self.fast = (  # straight moves need nothing but gain, shift and feed: see modal_changed
-            not setup.exact_stop_after_rapid and self.feed_group.plain
+            not setup.exact_stop_after_rapid and self.feed_group.plain and setup.single_step <= 0
         )
         self._code: dict[int, dict[int, CompiledBlock]] = {}
         self.axes_taken = False  # the axis words were arguments of a function
@@ -191,6 +191,19 @@ class Execution:
         """The end of a block with motion, if single block stops behind it."""
         if self.frames[-1].shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))
+
+    def step_end(self, since: int) -> None:
+        """The end of a block: a step of its own, if it has no motion and is one by P-CHAN-00015. What it has emitted stands in
+        `out` from `since` on."""
+        emitted = self.out[since:]
+        if not self.frames or self.frames[-1].shown is not None:
+            return
+        dwells = any(isinstance(block, Dwell) for block in emitted)  # the end of such a block stops nobody who stands
+        if not dwells and any(isinstance(block, ENDS_STEP) for block in emitted):
+            return
+        relevant = self.setup.single_step > 0 or any(isinstance(block, CONTROLS) for block in emitted)
+        if relevant and self.steps.ends(self.source.n):
+            self.emit(StepEnd(self.source))
 
     def stop_exactly(self, motion: bool) -> None:
         """The end of what the block moves: the path stops here with G60 or G360, or behind G00 where P-CHAN-00235 says so.
@@ -286,6 +299,7 @@ class Execution:
         fast road may be taken."""
         self.fast = (
             not self.setup.exact_stop_after_rapid
+            and self.setup.single_step <= 0
             and self.feed_group.plain
             and self.modal.feed_mode is FeedMode.PER_MINUTE
             and self.coordinates.plain

@@ -206,6 +206,8 @@ class DecoderSetup:
     feed_group: FeedGroup = MAIN_GROUP  # P-CHAN-00011, P-CHAN-00096
     feed_axes_configured: bool = False
     exact_stop_after_rapid: bool = False  # P-CHAN-00235
+    single_step: int = -1  # P-CHAN-00015
+    stop_marks: tuple[bool, bool, bool] = (True, True, True)  # first time, again, backward (P-CHAN-00309, 00310, 00308)
     no_corners: bool = False  # P-CHAN-00273: chamfers and roundings are refused
     log_axes: tuple[int, ...] = ()  # logical axis numbers, (n,)
     log_spindles: tuple[int, ...] = ()  # of the spindles
@@ -292,6 +294,12 @@ class DecoderSetup:
             feed_axes_configured=parameters.feed_axes_configured or parameters.feed_to_weakest_axis,
             no_corners=parameters.disable_chamfers_roundings,
             exact_stop_after_rapid=parameters.exact_stop_after_g00,
+            single_step=parameters.einzelstschrittmodus,
+            stop_marks=(
+                not parameters.forward_backward.disable_stop_1st_forward,
+                not parameters.forward_backward.disable_stop_2nd_forward,
+                not parameters.forward_backward.disable_stop_backward,
+            ),
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
             poly_jerk=parameters.check_jerk_on_poly_path,
             contouring_inch=bool(parameters.contouring_consider_inch),

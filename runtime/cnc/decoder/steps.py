@@ -6,7 +6,30 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from runtime.cnc.blocks import Block, BlockEnd, Line, Polyline, Source
+from runtime.cnc.blocks import (
+    AxisJob,
+    AxisJobWait,
+    Block,
+    BlockEnd,
+    Dwell,
+    ExternalWrite,
+    Line,
+    Message,
+    Polyline,
+    Source,
+    SpindleSetting,
+    Stop,
+    StopMark,
+    TechnologyFunction,
+    TimerAction,
+    ToolLifeAction,
+)
+
+# Of a block without motion: what makes it a relevant control block of P-CHAN-00015, and what stops the path anyway
+CONTROLS = (
+    TechnologyFunction, Dwell, Message, TimerAction, SpindleSetting, AxisJob, AxisJobWait, ExternalWrite, ToolLifeAction
+)  # fmt: skip
+ENDS_STEP = (BlockEnd, Stop, StopMark)
 
 
 @dataclass(slots=True)

@@ -49,6 +49,7 @@ PASSED = 256  # records told in one cycle
 SEARCH = 1024  # records searched for gates and functions in one cycle
 JOIN = 1e-6  # mm: the first element must start where the axes stand
 PROGRAM_END = int(GateReason.PROGRAM_END)
+STEP = int(GateReason.STEP)
 
 # state, float
 S_IN, V, A, PATH, LENGTH, OVERFLOWS, PLAN_TIME, PLANNED = 0, 1, 2, 3, 4, 5, 6, 7
@@ -135,6 +136,18 @@ def search(records: Records, written: int, single_block: bool, i: Ints) -> None:
     i[GATE_INDEX] = gate
     found = i[NEXT_FUNCTION] < written and records[i[NEXT_FUNCTION] % size]["kind"] == FUNCTION
     i[FUNCTIONS] = 1 if gate >= 0 and found and i[NEXT_FUNCTION] < gate else 0
+
+
+@kernel
+def last_step(records: Records, written: int, gate: int) -> int:
+    """The record up to which all gates from `gate` on are the ends of steps, `SEARCH` records at most."""
+    size = records.shape[0]
+    end = min(written, gate + SEARCH)
+    for e in range(gate, end):
+        r = records[e % size]
+        if r["kind"] == GATE and r["reason"] != STEP:
+            return e - 1
+    return end - 1
 
 
 @kernel
@@ -309,6 +322,7 @@ def scratch() -> tuple[Floats, Ints, Floats]:
 def _warm_up() -> None:
     real, whole, plans = scratch()
     buffer = bytearray(RECORD.itemsize)
+    last_step(np.frombuffer(buffer, dtype=RECORD), 0, 0)
     cycle(
         np.frombuffer(buffer, dtype=RECORD), np.zeros((1, POLYNOMIAL_ROWS, WIDTH)),
         np.zeros(8, dtype=np.int64), 1, 0.001, 1.0, False, False,

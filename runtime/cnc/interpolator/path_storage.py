@@ -33,6 +33,7 @@ _ARC, _POLYNOMIAL, _BLOCK_END = int(RecordKind.ARC), int(RecordKind.POLYNOMIAL),
 _FUNCTION, _GATE, _ACTION = int(RecordKind.FUNCTION), int(RecordKind.GATE), int(RecordKind.ACTION)
 _AHEAD = int(RecordKind.FUNCTION_AHEAD)
 _WAIT, _M00, _M01 = int(GateReason.WAIT), int(GateReason.PROGRAMMED_STOP), int(GateReason.OPTIONAL_STOP)
+_STOP_MARK = int(GateReason.STOP_MARK)
 _FIRST_FOREIGN = int(GateReason.MANUAL)  # from here on somebody else moves the axes, or the path begins anew
 _OPTIONAL_ON, _OPTIONAL_OFF = int(ActionKind.OPTIONAL_ON), int(ActionKind.OPTIONAL_OFF)
 _CLEAR = int(ActionKind.CLEAR_STORAGE)
@@ -209,6 +210,7 @@ def fill(
             continue
         if kind == _GATE:
             stops = (r["reason"] == _M00 and drops[0] == 0) or (r["reason"] == _M01 and drops[1] == 0)
+            stops = stops or (r["reason"] == _STOP_MARK and (r["offset"] & (4 if backward else 2)) != 0)
             if not stops and (backward or r["reason"] != _WAIT):
                 continue
         inside = place[INSIDE] == 1 and kind <= _POLYNOMIAL

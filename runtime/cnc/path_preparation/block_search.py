@@ -47,8 +47,10 @@ from runtime.cnc.blocks import (
     SearchStep,
     Source,
     SpindleSetting,
+    StepEnd,
     Stop,
     StopKind,
+    StopMark,
     Synch,
     TakeOver,
     Technology,
@@ -187,7 +189,18 @@ class BlockSearchStage:
                 yield block
             case BlockEnd():
                 self._blocks += 1
-            case Stop() | Dwell() | ExactStop() | Wait() | Message() | PathRestart() | SearchPlace() | SearchGate():
+            case (
+                StepEnd()
+                | StopMark()
+                | Stop()
+                | Dwell()
+                | ExactStop()
+                | Wait()
+                | Message()
+                | PathRestart()
+                | SearchPlace()
+                | SearchGate()
+            ):
                 return
             case AxisJob() | AxisJobWait():
                 self._refuse(block.source, "a job of an axis")

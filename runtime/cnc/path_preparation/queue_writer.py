@@ -50,8 +50,10 @@ from runtime.cnc.blocks import (
     SearchStep,
     Source,
     SpindleSetting,
+    StepEnd,
     Stop,
     StopKind,
+    StopMark,
     TakeOver,
     TechnologyFunction,
     TimerAction,
@@ -100,6 +102,11 @@ _SEARCH = {
 _RECEIVERS = tuple(Receiver)
 _TIMER_COMMANDS = tuple(TimerCommand)
 _LIFE_COMMANDS = tuple(LifeCommand)
+
+
+def stop_mark_ways(mark: StopMark) -> int:
+    """Bits: 1 it stops the first time, 2 forward again, 4 backward."""
+    return mark.forward + 2 * mark.again + 4 * mark.backward
 
 
 def _section(record: Records, block: OptionalSection) -> Records:
@@ -339,6 +346,12 @@ class QueueWriter:
                 record["text"] = self.queue.texts.put(self._error_text(block))
                 if block.remedy_class != 0:
                     record["kind"], record["reason"] = RecordKind.GATE, GateReason.USER_ERROR
+            case StepEnd():
+                record["kind"], record["reason"] = RecordKind.GATE, GateReason.STEP
+            case StopMark():
+                record["kind"], record["reason"] = RecordKind.GATE, GateReason.STOP_MARK
+                record["number"], record["value"] = block.level, block.user
+                record["offset"] = stop_mark_ways(block)
             case ClearStorage():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.CLEAR_STORAGE
             case OptionalSection():

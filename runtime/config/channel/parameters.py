@@ -82,6 +82,9 @@ class ForwardBackward(Model):
     disable_m00_2nd_forward: bool = False  # P-CHAN-00277
     disable_m01_backward: bool = False  # P-CHAN-00278
     disable_m01_2nd_forward: bool = False  # P-CHAN-00279
+    disable_stop_backward: bool = False  # P-CHAN-00308, marks of #STOP REVERSIBLE that say nothing else
+    disable_stop_1st_forward: bool = False  # P-CHAN-00309
+    disable_stop_2nd_forward: bool = False  # P-CHAN-00310
 
 
 class ProgramStart(Model):
@@ -214,6 +217,7 @@ class ChannelParameters(Model):
     feed_to_weakest_axis: bool = False  # P-CHAN-00096
     # what holds at program start, and from one program to the next
     prog_start: ProgramStart = ProgramStart()
+    einzelstschrittmodus: int = 0  # P-CHAN-00015, blocks without motion that are steps: -1 none, 0 of functions, 1 all
     forward_backward: ForwardBackward = ForwardBackward()
     no_init_prog_start: bool = False  # P-CHAN-00347
     p_param_haltend: bool = False  # P-CHAN-00067, P parameters outlive the program

@@ -25,7 +25,7 @@ ROWS = (
       "Name a spindle gets when taken into the path group (C axis)"),
     P(11, "gruppe[i].achse[j].default_feed_axis", "BOOLEAN", "", False, 3643,
       "1 = axis belongs to the default feed group", index=((0, 0), (0, 31)), use=Use.USED),
-    P(15, "einzelstschrittmodus", "SGN16", "-1..1", 0, 3026, "Which block kinds stop single-step mode"),
+    P(15, "einzelstschrittmodus", "SGN16", "-1..1", 0, 3026, "Which block kinds stop single-step mode", use=Use.USED),
     P(19, "syn_chk.errors_total", "UNS16", "", 0, 4293,
       "Errors in a program before the syntax check aborts", aliases=("syn_chk.fehler_gesamt",), use=Use.HARMLESS),
     P(20, "syn_chk.errors_per_block", "UNS16", "", 0, 4282,

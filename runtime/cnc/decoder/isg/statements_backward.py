@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime.cnc.blocks import ClearStorage, Flush, FlushKind, OptionalSection
+from runtime.cnc.blocks import ClearStorage, Flush, FlushKind, OptionalSection, StopMark
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.decoder.radius_compensation import expect_none
@@ -14,6 +14,7 @@ from runtime.diagnostics.catalogue import language as catalogue
 
 _SAME_PLACE = 1e-6  # mm, degrees
 _GREATEST_MASK = 2**63 - 1
+_HALF = 0.5
 
 
 @statement(
@@ -57,3 +58,31 @@ def section_ends(x: Execution, call: StatementCall) -> None:
 @statement("BACKWARD STORAGE CLEAR", "isg.add.backward-storage-clear")
 def clear_storage(x: Execution, call: StatementCall) -> None:
     x.emit(ClearStorage(x.source))
+
+
+_GREATEST = 2**32 - 1
+
+
+def _whole(call: StatementCall, key: str) -> int:
+    value = call.number(key)
+    if value is not None and not 0 <= value <= _GREATEST:
+        raise call.error(catalogue.VALUE_RANGE, key, key=key, value=value, least=0, most=_GREATEST)
+    return 0 if value is None else round_half_up(value)
+
+
+@statement(
+    "STOP REVERSIBLE",
+    "chan.fwbw.stop-marks",
+    "hli.ch.cu.stop-level",
+    syntax="#STOP REVERSIBLE [[LEVEL=.. 1ST_FORWARD=.. 2ND_FORWARD=.. BACKWARD=.. USR_VAL=..]]",
+    form=Form.KEYS,
+    keys=(Key("LEVEL"), Key("1ST_FORWARD"), Key("2ND_FORWARD"), Key("BACKWARD"), Key("USR_VAL")),
+    optional=True,
+)
+def stop_mark(x: Execution, call: StatementCall) -> None:
+    """0 suppresses the stop in a way of driving; what is not said comes from the channel."""
+    ways = []
+    for key, usual in zip(("1ST_FORWARD", "2ND_FORWARD", "BACKWARD"), x.setup.stop_marks, strict=True):
+        value = call.number(key)
+        ways.append(usual if value is None else value > _HALF)
+    x.emit(StopMark(x.source, _whole(call, "LEVEL"), ways[0], ways[1], ways[2], _whole(call, "USR_VAL")))
