@@ -350,8 +350,8 @@ class Decoder:
                 additions.expect_no_line(x)
             since = len(x.out)
             self._words.execute(frame, entry, block, values)
-            content = block.words or block.statement or block.declarations or block.macros  # else it is a comment
-            if x.setup.single_step >= 0 and x.again is None and content:
+            told = bool(block.words or block.statement or block.declarations or block.macros)  # else it is a comment
+            if x.setup.single_step >= 0 and x.again is None and told:
                 x.step_end(min(since, len(x.out)))
             if x.again is not None:
                 additions.expect_no_line(x)

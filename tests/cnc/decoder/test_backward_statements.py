@@ -7,6 +7,7 @@ import pytest
 from runtime.cnc.blocks import ClearStorage, OptionalSection, SearchArea
 from runtime.cnc.decoder import ProgramError
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import smoothing
 from runtime.diagnostics.errors import ErrorEntry
 from tests.cnc.decoder.programs import decode
 
@@ -32,6 +33,7 @@ def test_sections_do_not_nest() -> None:
         ("#OPTIONAL EXECUTION ON\nN1 M30", catalogue.SECTION_OPEN, 2),
         ("#OPTIONAL EXECUTION ON\nN1 G00 X0", catalogue.SECTION_OPEN, 2),
         ("%L A\n#OPTIONAL EXECUTION ON\nM17\n%M\nLL A\n#OPTIONAL EXECUTION OFF\nM30", catalogue.SECTION_OPEN, 3),
+        ("#STOP REVERSIBLE [LEVEL=-1]\nM30", smoothing.VALUE_RANGE, 1),
         ("#OPTIONAL EXECUTION ON [MASK=1]\nM30", catalogue.SECTION_MASK, 1),
         ("#OPTIONAL EXECUTION ON [SIMULATE MASK=-1]\nM30", catalogue.SECTION_MASK, 1),
     ],

@@ -11,6 +11,7 @@ from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import smoothing
 
 _SAME_PLACE = 1e-6  # mm, degrees
 _GREATEST_MASK = 2**63 - 1
@@ -66,7 +67,7 @@ _GREATEST = 2**32 - 1
 def _whole(call: StatementCall, key: str) -> int:
     value = call.number(key)
     if value is not None and not 0 <= value <= _GREATEST:
-        raise call.error(catalogue.VALUE_RANGE, key, key=key, value=value, least=0, most=_GREATEST)
+        raise call.error(smoothing.VALUE_RANGE, key, key=key, value=value, least=0, most=_GREATEST)
     return 0 if value is None else round_half_up(value)
 
 
