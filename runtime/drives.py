@@ -81,7 +81,7 @@ class BusFigures:
 class DriveImage:
     """What is exchanged with the drives in every cycle, for `n` axes in the order of the machine description.
 
-    What only some drives exchange (torque, inputs, probes: `process_data` of the machine description) stays 0 for others.
+    All arrays lie in one memory, `words`. What only some drives exchange (torque, inputs, probes: `process_data` of the machine description) stays 0 for others.
     """
 
     SET_POINTS: Final = (
@@ -142,6 +142,24 @@ class DriveImage:
         self.emcy_count: int = 0
         self.frames_sent: int = 0
         self.frames_received: int = 0
+        self.words, self.places = self._pack()
+
+    def _pack(self) -> tuple[npt.NDArray[np.int64], dict[str, int]]:
+        """All arrays in one memory of words (8 bytes), each from a whole word on, and where each begins: whoever looks for what has
+        changed compares that. So the arrays are filled, never replaced."""
+        names = (*self.SET_POINTS, *self.FEEDBACK)
+        sizes = [-(-getattr(self, name).nbytes // 8) for name in names]
+        words = np.zeros(sum(sizes), dtype=np.int64)
+        places: dict[str, int] = {}
+        at = 0
+        for name, size in zip(names, sizes, strict=True):
+            array = getattr(self, name)
+            part = words[at : at + size].view(np.uint8)[: array.nbytes].view(array.dtype).reshape(array.shape)
+            part[...] = array
+            setattr(self, name, part)
+            places[name] = at
+            at += size
+        return words, places
 
 
 class DriveSystem(Protocol):

@@ -13,13 +13,13 @@ import numpy as np
 
 REPORTS = 16  # beside the ten messages that may wait for the PLC
 _TEXT = 256
-_HEAD = 64  # bytes: put, taken by the cycle, number of the last message that the PLC has taken
-_RECORD = np.dtype(
+HEAD = 64  # bytes: put, taken by the cycle, number of the last message that the PLC has taken
+RECORD = np.dtype(
     [("kind", "i4"), ("line", "i4"), ("n", "i4"), ("receiver", "i4"), ("information", "i4"), ("program", "S248"),
      ("text", f"S{_TEXT}")],
     align=True,
 )  # fmt: skip
-REPORTS_BYTES = _HEAD + REPORTS * _RECORD.itemsize
+REPORTS_BYTES = HEAD + REPORTS * RECORD.itemsize
 
 
 class ReportKind(IntEnum):
@@ -46,7 +46,7 @@ class DecoderReports:
 
     def __init__(self, buffer: memoryview | bytearray, offset: int) -> None:
         self._counters = np.frombuffer(buffer, dtype=np.int64, count=3, offset=offset)
-        self._records = np.frombuffer(buffer, dtype=_RECORD, count=REPORTS, offset=offset + _HEAD)
+        self._records = np.frombuffer(buffer, dtype=RECORD, count=REPORTS, offset=offset + HEAD)
 
     # ------------------------------------------------------------------ the preparation's side
 

@@ -29,6 +29,7 @@ Units: mm or degrees, per second; angles of arcs in radians.
 
 from __future__ import annotations
 
+from copy import copy
 from enum import IntEnum
 from multiprocessing import shared_memory
 from typing import Any
@@ -250,6 +251,18 @@ class MotionQueue:
         return known
 
     # ------------------------------------------------------------------ consumer
+
+    def consumer(self) -> MotionQueue:
+        """The same queue with counters of its own, for a consumer who takes over at moments of his choice what has come."""
+        other = copy(self)
+        other.counters = self.counters.copy()
+        other._memory = None
+        return other
+
+    @property
+    def names(self) -> npt.NDArray[np.bytes_]:
+        """The names of programs, the one with number n in slot n % PROGRAMS."""
+        return self._names
 
     @property
     def read(self) -> int:

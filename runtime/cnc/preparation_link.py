@@ -48,7 +48,8 @@ class PreparationState(IntEnum):
 
 _SEARCH = ("value", "passes", "covered", "way", "line", "automatic", "without_stop", "feed")  # of BlockSearch, numbers
 _RUNNING = int(PreparationState.RUNNING)
-_RECORD = np.dtype(
+GUARDS = ("order", "answer", "kind", "state", "ready", "reached", "holds")  # written behind what they tell of
+RECORD = np.dtype(
     [
         ("order", "u4"),
         ("answer", "u4"),
@@ -124,14 +125,15 @@ class PreparationLink:
         self._n_axes = n_axes
         self._memory: shared_memory.SharedMemory | None = None
         if name is None:
-            buffer: bytearray | memoryview = bytearray(_RECORD.itemsize + REPORTS_BYTES)
+            buffer: bytearray | memoryview = bytearray(RECORD.itemsize + REPORTS_BYTES)
         else:
-            self._memory = open_shared(name, _RECORD.itemsize + REPORTS_BYTES if create else None)
+            self._memory = open_shared(name, RECORD.itemsize + REPORTS_BYTES if create else None)
             assert self._memory.buf is not None
             buffer = self._memory.buf
-        self._record = np.frombuffer(buffer, dtype=_RECORD, count=1)[0:1]
-        self._fields = {name: self._record[name] for name in _RECORD.names or ()}  # views: making one takes its time
-        self.told = DecoderReports(buffer, _RECORD.itemsize)
+        self.buffer = buffer
+        self._record = np.frombuffer(buffer, dtype=RECORD, count=1)[0:1]
+        self._fields = {name: self._record[name] for name in RECORD.names or ()}  # views: making one takes its time
+        self.told = DecoderReports(buffer, RECORD.itemsize)
 
     def _get(self, name: str) -> int:
         return int(self._fields[name][0])
@@ -301,7 +303,7 @@ class PreparationLink:
         if self._memory is None:
             return
         memory, self._memory = self._memory, None
-        del self._record, self._fields, self.told
+        del self.buffer, self._record, self._fields, self.told
         if unlink:
             remove_shared(memory)
         else:

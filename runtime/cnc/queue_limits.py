@@ -42,13 +42,13 @@ class QueueLimits:
     def __init__(
         self, buffer: memoryview | bytearray, offset: int, max_axes: int, n_axes: int, queue_counters: Counters
     ) -> None:
-        self._counters = np.frombuffer(buffer, dtype=np.int64, count=1, offset=offset)
+        self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=1, offset=offset)  # sets ever put
         self.sets: npt.NDArray[np.float64] = np.frombuffer(
             buffer, dtype=np.float64, count=SETS * ROWS * max_axes, offset=offset + _HEAD
         ).reshape(SETS, ROWS, max_axes)
         self._n = n_axes
         self._current: AxisLimits | None = None  # put last
-        self._number = int(self._counters[0]) - 1
+        self._number = int(self.counters[0]) - 1
         self._queue = queue_counters
         self._until = np.full(
             SETS, self._queue[0]
@@ -57,14 +57,14 @@ class QueueLimits:
     @property
     def room(self) -> bool:
         """Whether `put` will take another set now."""
-        put = int(self._counters[0])
+        put = int(self.counters[0])
         return put < SETS or int(self._queue[1]) >= int(self._until[put % SETS])
 
     def room_for(self, count: int) -> bool:
         """Whether `put` will take so many other sets now."""
         if count == 1:
             return self.room
-        put = int(self._counters[0])
+        put = int(self.counters[0])
         slots = np.arange(max(put, SETS), max(put + count, SETS)) % SETS
         return bool((self._until[slots] <= self._queue[1]).all())
 
@@ -76,7 +76,7 @@ class QueueLimits:
         if limits is self._current:
             return self._number
         self._current = limits
-        put = int(self._counters[0])
+        put = int(self.counters[0])
         rows = np.full((ROWS, self.sets.shape[2]), np.inf)
         rows[:, : self._n] = (
             limits.velocity, limits.acceleration, limits.deceleration,
@@ -87,7 +87,7 @@ class QueueLimits:
         number = next((k for k in range(put - 1, max(put - AGAIN, 0) - 1, -1) if self._is(k, rows)), put)
         if number == put:
             self.sets[put % SETS] = rows
-            self._counters[0] = put + 1
+            self.counters[0] = put + 1
         self._until[number % SETS] = np.iinfo(np.int64).max  # in use until it is replaced
         self._number = number
         return number

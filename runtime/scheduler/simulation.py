@@ -36,6 +36,7 @@ from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
 from runtime.scheduler.preparation import BATCH, Preparation
+from runtime.scheduler.recorded import Seam, SimulationRecording
 from runtime.scheduler.tool_tables import listed_tools
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
@@ -82,7 +83,8 @@ class Simulation:
     """A machine in virtual time. `cycle` moves it one cycle on; `run_program` does a program from start to end.
 
     `partner` takes the place of the PLC program that the machine description names; `plc=False` runs without any. `tools` are
-    those of the machine's initial list if none are given, and what a program writes into them ends with the simulation.
+    those of the machine's initial list if none are given, and what a program writes into them ends with the simulation. `record`:
+    a recording for `tandem replay`, in which the description `machine_file` stands.
     """
 
     def __init__(
@@ -99,6 +101,8 @@ class Simulation:
         start_position: Floats | None = None,
         tools: ToolTable | None = None,
         plant: SimulatedPlant | None = None,
+        record: Path | None = None,
+        machine_file: Path | None = None,
     ) -> None:
         self.machine = machine
         self.period = machine.cycle.period
@@ -130,17 +134,24 @@ class Simulation:
         elif plc and machine.plc.program:
             self.plc = InlinePlc(machine, self.memory, base)
         self.drives.start()
+        self.recording: SimulationRecording | None = None
+        seam = Seam(self.drives, self.memory, self.queue, self.link, self.plc, self._wall_ns)
+        if record is not None:
+            self.recording = SimulationRecording(record, machine, machine_file, seam, real_drives=not ideal_axes)
+            seam = self.recording.seam
         self.controller = Controller(
             machine,
-            self.drives,
-            self.memory,
+            seam.drives,
+            seam.memory,
             self.events,
-            self.queue,
-            self.link,
-            self.plc,
-            wall_clock=lambda: _EPOCH_NS + int(self.time * 1e9),
+            seam.queue,
+            seam.link,
+            seam.plc,
+            wall_clock=seam.wall_clock,
             real_drives=not ideal_axes,
         )
+        if self.recording is not None:
+            self.recording.border.settle()
         self.controller.channel.trace_blocks = trace is not None
         self.memory.hli.head.running_r = True
         self.log: list[Event] = []  # every event so far; those of single blocks only go into the trace
@@ -200,6 +211,9 @@ class Simulation:
 
     # ------------------------------------------------------------------ time
 
+    def _wall_ns(self) -> int:
+        return _EPOCH_NS + int(self.time * 1e9)
+
     def _date(self) -> datetime:
         """The wall clock of the virtual machine."""
         return _EPOCH + timedelta(microseconds=round(self.time * 1e6))
@@ -217,9 +231,13 @@ class Simulation:
                 pass
             self._room = _ROOM.get(state, 0)
         self.clock.wait()
+        if self.recording is not None:
+            self.recording.border.begin(self.time)
 
     def after_cycle(self) -> None:
-        """The simulated nodes answer, trace and log take what has come."""
+        """The simulated nodes answer, trace, log and recording take what has come."""
+        if self.recording is not None:
+            self.recording.drain()
         self._step_nodes()
         if self.samples is not None and self.controller.channel.active:
             path = self.controller.interpolator
@@ -330,6 +348,8 @@ class Simulation:
         """Write what stands at the end of the trace, leave the bus, give back the program's files."""
         self.drives.stop()
         self.preparation.end()
+        if self.recording is not None:
+            self.recording.close()
         while self._leave_bus:
             self._leave_bus.pop()()
         if self.writer is not None and self.samples is not None:

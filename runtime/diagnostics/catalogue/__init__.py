@@ -2,7 +2,7 @@
 
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
 fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
-radius compensation 309xxx, axis jobs 308xxx.
+radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from runtime.diagnostics.catalogue import (
     motion,
     plc,
     radius,
+    recorder,
     system,
     technology,
     tools,
@@ -40,6 +41,7 @@ _AREAS: tuple[ModuleType, ...] = (
     radius,
     axis_jobs,
     block_search,
+    recorder,
 )
 
 

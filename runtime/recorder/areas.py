@@ -1,0 +1,339 @@
+"""Memories that the cycle shares with other processes, word by word: who wrote what since one has looked last.
+
+An area has three copies of the same words (8 bytes each):
+
+    shared    what everybody sees and writes
+    own       what the cycle reads and writes
+    agreed    what both were when they were compared last
+
+`take_in` brings what differs between shared and agreed into the cycle; `give_out` brings what differs between own and agreed to
+the others. So the cycle sees the outside change at two moments of a cycle only, and both moments can be recorded. Where both
+sides have written the same element the cycle's value stays, as with any memory that two write to.
+
+A flag that guards data is its writer's last store. So flags come in first (what they guard is there by then) and go out last. A
+word is read by one load. It is written element by element, with one store of the element's own size, and only those elements
+that have changed: what others have written beside them in the same word stays.
+
+    words of changes    | first word << 32 | how many | value | value | … | first word << 32 | how many | …
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.kernels import kernel, warms
+
+Words = npt.NDArray[np.int64]
+Spans = npt.NDArray[np.int64]
+Buffer = memoryview | bytearray | c.Structure | npt.NDArray[Any]
+_WORD = 8
+_FLAG_END = "_rw"
+_FLAGS = frozenset(  # guards that are no semaphores: counted up, or raised, behind the data
+    {
+        "plc_error_count_w", "process_lost_w", "sequence_r", "sequence", "alarm_count_r", "external_count_r", "magic_r",
+        "done_w", "plc_present_w",
+    }
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An elementary item of a memory: where it lies, its size in bytes (1 for text), whether it guards others, and what it is
+    (character of a NumPy type)."""
+
+    name: str
+    offset: int
+    size: int
+    count: int
+    flag: bool
+    kind: str = "B"
+
+
+def elements_of(kind: Any, name: str = "", offset: int = 0) -> Iterator[Element]:
+    """Every elementary item of a ctypes structure; arrays of elementary items are one item."""
+    if issubclass(kind, c.Structure):
+        for field, of, *_ in kind._fields_:
+            yield from elements_of(of, f"{name}.{field}" if name else field, offset + getattr(kind, field).offset)
+        return
+    if issubclass(kind, c.Array):
+        of = kind._type_
+        if not issubclass(of, c.Structure | c.Array):
+            yield Element(name, offset, c.sizeof(of), kind._length_, False, np.dtype(of).char)
+            return
+        for i in range(kind._length_):
+            yield from elements_of(of, f"{name}[{i}]", offset + i * c.sizeof(of))
+        return
+    last = name.rsplit(".", 1)[-1]
+    yield Element(name, offset, c.sizeof(kind), 1, last.endswith(_FLAG_END) or last in _FLAGS, np.dtype(kind).char)
+
+
+def elements_of_record(kind: np.dtype[Any], flags: Iterable[str], offset: int = 0) -> Iterator[Element]:
+    """The items of one record of a NumPy type; `flags` are the names of those that guard others."""
+    for name in kind.names or ():
+        of, at = kind.fields[name][:2]  # type: ignore[index]
+        base, shape = (of.subdtype[0], of.subdtype[1]) if of.subdtype else (of, ())
+        text = base.kind == "S"
+        count = int(np.prod(shape, dtype=np.int64)) * (base.itemsize if text else 1)
+        yield Element(name, offset + at, 1 if text else base.itemsize, count, name in flags, "B" if text else base.char)
+
+
+class Area:
+    """The three copies of a memory, and how they are compared. Sizes are whole words.
+
+    `ranges`: bytes (begin, end) that are looked at in every cycle; the rest is settled by `settle` only.
+    """
+
+    def __init__(
+        self,
+        shared: Buffer,
+        own: Buffer,
+        elements: Iterable[Element],
+        ranges: Iterable[tuple[int, int]] | None = None,
+    ) -> None:
+        size = memoryview(own).nbytes
+        if size % _WORD or memoryview(shared).nbytes < size:
+            raise ValueError(f"an area is whole words on both sides, not {size} bytes")
+        self.shared: Words = np.frombuffer(shared, dtype=np.int64, count=size // _WORD)
+        self.own: Words = np.frombuffer(own, dtype=np.int64, count=size // _WORD)
+        self.agreed: Words = self.own.copy()
+        self.sizes = np.zeros(size, dtype=np.uint8)  # of the element that begins at a byte, 0: none does
+        flags: set[int] = set()
+        for element in elements:
+            begin, end = element.offset, element.offset + element.size * element.count
+            self.sizes[begin : end : element.size] = element.size
+            if element.flag:
+                flags.add(begin // _WORD)
+        looked_at = sorted(ranges) if ranges is not None else [(0, size)]
+        within = [word for begin, end in looked_at for word in range(begin // _WORD, -(-end // _WORD))]
+        flagged = sorted(flags.intersection(within))
+        guarded = [word for word in within if word not in flags]
+        self.flags: Words = np.array(flagged, dtype=np.int64)
+        self.guarded = _spans(guarded)
+
+    def take_in(self, kind: int, out: Words, at: int) -> int:
+        """What others have written, as a section of a record; the place behind it."""
+        return section_in(kind, self.shared, self.own, self.agreed, self.flags, self.guarded, out, at)
+
+    def give_out(self, kind: int, out: Words, at: int) -> int:
+        """What the cycle has written, as a section of a record; the place behind it."""
+        return section_out(
+            kind, self.shared, self.own, self.agreed, self.guarded, self.flags, self.sizes, out, at
+        )
+
+    def settle(self) -> None:
+        """Bring everything that the cycle has written so far to the others; before anybody else writes."""
+        everything = np.array([[0, len(self.own)]], dtype=np.int64)
+        give_out(self.shared, self.own, self.agreed, everything, self.flags[:0], self.sizes, np.zeros(0, np.int64), 0)
+
+
+def _spans(words: list[int]) -> Spans:
+    """Runs of words as (begin, end), (k, 2)."""
+    spans: list[list[int]] = []
+    for word in words:
+        if spans and spans[-1][1] == word:
+            spans[-1][1] = word + 1
+        else:
+            spans.append([word, word + 1])
+    return np.array(spans, dtype=np.int64).reshape(-1, 2)
+
+
+@kernel
+def _scan_in(shared: Words, own: Words, agreed: Words, spans: Spans, out: Words, at: int) -> int:
+    room = out.shape[0]
+    for k in range(spans.shape[0]):
+        i, end = spans[k, 0], spans[k, 1]
+        before, head = -2, 0
+        while i < end:
+            if i + 8 <= end:
+                differs = 0
+                for j in range(i, i + 8):
+                    differs |= shared[j] ^ agreed[j]
+                if differs == 0:
+                    i += 8
+                    continue
+            stop = min(i + 8, end)
+            while i < stop:
+                value = shared[i]
+                if value != agreed[i]:
+                    agreed[i] = value
+                    own[i] = value
+                    if before != i - 1:
+                        head = at
+                        if at < room:
+                            out[at] = i << 32
+                        at += 1
+                    if at < room:
+                        out[at] = value
+                        out[head] += 1
+                    at += 1
+                    before = i
+                i += 1
+    return at
+
+
+@kernel
+def _write_one(word: int, value: int, out: Words, at: int) -> int:
+    if at + 2 <= out.shape[0]:
+        out[at] = word << 32 | 1
+        out[at + 1] = value
+    return at + 2
+
+
+@kernel
+def take_in(
+    shared: Words, own: Words, agreed: Words, flags: Words, guarded: Spans, out: Words, at: int
+) -> int:
+    """Take over what others have written, and write it down in `out` from `at` on; the place behind it.
+
+    A place beyond the end of `out` tells that it had no room for everything; what is taken over is whole all the same.
+    """
+    for k in range(flags.shape[0]):
+        i = flags[k]
+        value = shared[i]
+        if value != agreed[i]:
+            agreed[i] = value
+            own[i] = value
+            at = _write_one(i, value, out, at)
+    return _scan_in(shared, own, agreed, guarded, out, at)
+
+
+@kernel
+def _store(shared: Words, value: int, old: int, i: int, sizes: npt.NDArray[np.uint8]) -> None:
+    """One word, element by element, each by one store; those that have not changed are left alone."""
+    if sizes[8 * i] == 8:
+        shared[i] = value
+        return
+    bytes_of, halves, words = shared.view(np.uint8), shared.view(np.uint16), shared.view(np.uint32)
+    for b in range(8):
+        size = sizes[8 * i + b]
+        new, was = (value >> (8 * b)), (old >> (8 * b))
+        if size == 1 and (new ^ was) & 0xFF:
+            bytes_of[8 * i + b] = new & 0xFF
+        elif size == 2 and (new ^ was) & 0xFFFF:
+            halves[4 * i + b // 2] = new & 0xFFFF
+        elif size == 4 and (new ^ was) & 0xFFFFFFFF:
+            words[2 * i + b // 4] = new & 0xFFFFFFFF
+
+
+@kernel
+def _scan_out(
+    shared: Words, own: Words, agreed: Words, spans: Spans, sizes: npt.NDArray[np.uint8], out: Words, at: int
+) -> int:
+    room = out.shape[0]
+    for k in range(spans.shape[0]):
+        i, end = spans[k, 0], spans[k, 1]
+        before, head = -2, 0
+        while i < end:
+            if i + 8 <= end:
+                differs = 0
+                for j in range(i, i + 8):
+                    differs |= own[j] ^ agreed[j]
+                if differs == 0:
+                    i += 8
+                    continue
+            stop = min(i + 8, end)
+            while i < stop:
+                value = own[i]
+                if value != agreed[i]:
+                    _store(shared, value, agreed[i], i, sizes)
+                    agreed[i] = value
+                    if before != i - 1:
+                        head = at
+                        if at < room:
+                            out[at] = i << 32
+                        at += 1
+                    if at < room:
+                        out[at] = value
+                        out[head] += 1
+                    at += 1
+                    before = i
+                i += 1
+    return at
+
+
+@kernel
+def give_out(
+    shared: Words,
+    own: Words,
+    agreed: Words,
+    guarded: Spans,
+    flags: Words,
+    sizes: npt.NDArray[np.uint8],
+    out: Words,
+    at: int,
+) -> int:
+    """Hand over what the cycle has written, and write it down in `out` from `at` on; the place behind it, as `take_in`."""
+    at = _scan_out(shared, own, agreed, guarded, sizes, out, at)
+    for k in range(flags.shape[0] - 1, -1, -1):  # what stands first in an area guards the most
+        i = flags[k]
+        value = own[i]
+        if value != agreed[i]:
+            _store(shared, value, agreed[i], i, sizes)
+            agreed[i] = value
+            at = _write_one(i, value, out, at)
+    return at
+
+
+@kernel
+def section_in(
+    kind: int, shared: Words, own: Words, agreed: Words, flags: Words, guarded: Spans, out: Words, at: int
+) -> int:
+    """`take_in` as a section of a record; nothing is written if nothing has come."""
+    end = take_in(shared, own, agreed, flags, guarded, out, at + 1)
+    if end == at + 1:
+        return at
+    if at < out.shape[0]:
+        out[at] = kind << 32 | (end - at - 1)
+    return end
+
+
+@kernel
+def section_out(
+    kind: int,
+    shared: Words,
+    own: Words,
+    agreed: Words,
+    guarded: Spans,
+    flags: Words,
+    sizes: npt.NDArray[np.uint8],
+    out: Words,
+    at: int,
+) -> int:
+    """`give_out` as a section of a record; nothing is written if nothing has changed."""
+    end = give_out(shared, own, agreed, guarded, flags, sizes, out, at + 1)
+    if end == at + 1:
+        return at
+    if at < out.shape[0]:
+        out[at] = kind << 32 | (end - at - 1)
+    return end
+
+
+@kernel
+def apply_changes(changes: Words, own: Words, agreed: Words) -> None:
+    """Write words of changes into the cycle's copy, as `take_in` did when they were recorded."""
+    at = 0
+    while at < changes.shape[0]:
+        word, count = changes[at] >> 32, changes[at] & 0xFFFFFFFF
+        at += 1
+        for k in range(count):
+            own[word + k] = changes[at + k]
+            agreed[word + k] = changes[at + k]
+        at += count
+
+
+@warms("areas of the recorder")
+def _warm() -> None:
+    shared, own, agreed = (np.zeros(2, dtype=np.int64) for _ in range(3))
+    spans, out, sizes = np.array([[0, 1]]), np.zeros(8, dtype=np.int64), np.full(16, 4, dtype=np.uint8)
+    shared[0] = 1
+    flags = np.array([1])
+    used = section_in(1, shared, own, agreed, flags, spans, out, 0)
+    own[0] = 2
+    section_out(1, shared, own, agreed, spans, flags, sizes, out, 0)
+    apply_changes(out[1:used], own, agreed)

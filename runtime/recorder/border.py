@@ -1,0 +1,304 @@
+"""The border of the cycle: everything that it takes in and gives out passes here, and is recorded.
+
+    cycle(time):   drives.read ─ take in ─▶ … ─ give out ─ PLC woken (takes in what it did) ─▶ … ─ give out ─ drives.write
+
+The controller has memories of its own (HLI, preparation link, counters of the motion queue). What others have written comes into
+them at `read`, and what the controller has written goes to the others before the PLC is woken and before `write`. In between the
+outside stands still for the cycle, so that a recording knows all of it, and a replay does the same bit by bit.
+
+The two protocols that the controller knows are the seam: `BorderDrives` stands in front of the drives, `BorderPlc` in front of the
+PLC. Nothing here waits, and nothing grows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.motion_queue import RECORD, MotionQueue, RecordKind
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.queue_limits import SETS
+from runtime.cnc.queue_texts import TEXTS
+from runtime.config.machine import Machine
+from runtime.drives import DriveImage, DriveSystem
+from runtime.hli.memory import HliMemory
+from runtime.kernels import kernel, warms
+from runtime.recorder.areas import Area
+from runtime.recorder.machine_areas import hli_area, link_area
+from runtime.recorder.record import GAP, HEAD, KEYFRAME, Section, text_words
+from runtime.recorder.ring import RecorderRing
+
+Words = npt.NDArray[np.int64]
+Numbers = npt.NDArray[np.int64]
+STAGE = 1 << 17  # words of the longest record: a keyframe has some 40000, a cycle some 30
+RECORDS_PER_CYCLE = 256  # of the motion queue
+RECORD_WORDS = RECORD.itemsize // 8
+_POLYNOMIAL = int(RecordKind.POLYNOMIAL)
+
+
+class Plc(Protocol):
+    """A partner of the scheduler (`runtime.scheduler.plc_link.PlcPartner`)."""
+
+    def wake(self, time: float) -> None: ...
+    def restart(self) -> None: ...
+
+
+class Memories:
+    """What the cycle works on: copies of its own of the memories that it shares with others."""
+
+    def __init__(self, hli: HliMemory, link: PreparationLink, queue: MotionQueue) -> None:
+        self.shared_hli, self.shared_link, self.shared_queue = hli, link, queue
+        self.hli = HliMemory.private()
+        _copy(hli.hli, self.hli.hli)
+        self.link = PreparationLink(queue.n_axes)
+        self.queue = queue.consumer()
+
+
+def _copy(source: object, target: object) -> None:
+    np.frombuffer(target, dtype=np.uint8)[:] = np.frombuffer(source, dtype=np.uint8)  # type: ignore[call-overload]
+
+
+@kernel
+def _stage_records(
+    records: Words, polynomials: Words, kinds: Numbers, first: int, count: int, out: Words, at: int
+) -> int:
+    """Queue records from absolute index `first` on, as a section's content; (capacity, words) each."""
+    capacity = records.shape[0]
+    for index in range(first, first + count):
+        slot = index % capacity
+        for k in range(records.shape[1]):
+            out[at + k] = records[slot, k]
+        at += records.shape[1]
+        if kinds[slot] == _POLYNOMIAL:
+            for k in range(polynomials.shape[1]):
+                out[at + k] = polynomials[slot, k]
+            at += polynomials.shape[1]
+    return at
+
+
+@kernel
+def _count_ahead(kinds: Numbers, first: int, end: int, kind: int) -> int:
+    found = 0
+    for index in range(first, end):
+        if kinds[index % kinds.shape[0]] == kind:
+            found += 1
+    return found
+
+
+@warms("border of the cycle")
+def _warm() -> None:
+    words = np.zeros((1, 2), dtype=np.int64)
+    kinds = np.zeros((1, 2), dtype=np.int64)[:, 0]
+    _stage_records(words, words, kinds, 0, 1, np.zeros(8, dtype=np.int64), 0)
+    _count_ahead(kinds, 0, 1, 7)
+
+
+class Border:
+    """Of one machine; `ring` takes the records. Made with the memories that the controller is made with, before it is."""
+
+    def __init__(
+        self, machine: Machine, memories: Memories, image: DriveImage, ring: RecorderRing, wall_clock: Callable[[], int]
+    ) -> None:
+        self._machine, self._memories, self._image, self._ring = machine, memories, image, ring
+        self._wall_clock = wall_clock
+        self.out: Words = np.zeros(STAGE, dtype=np.int64)
+        self._time = self.out[2:3].view(np.float64)
+        self._at = HEAD
+        self._calls: list[object] = []
+        self._gap = False
+        self.wall_ns = 0
+        self.snapshot: Callable[[], Words] | None = None  # state of the objects of the cycle
+        self._figures = np.zeros(4)
+        self.cycle = 0
+        own = memories.queue
+        self._records: Words = own.records.view(np.int64).reshape(own.capacity, RECORD_WORDS)
+        self._polynomials: Words = own.polynomials.view(np.int64).reshape(own.capacity, -1)
+        self._kinds: Numbers = own.records["kind"]
+        self._names: Words = own.names.view(np.int64).reshape(len(own.names), -1)
+        self._texts: Words = own.texts.slots.view(np.int64).reshape(TEXTS, -1)
+        self._sets: Words = own.limits.sets.view(np.int64).reshape(SETS, -1)
+        self._seen = [0, 0, 0]  # names, texts, sets that are recorded
+        self._recorded = 0  # records of the queue
+        self._hli: Area | None = None
+        self.keyframe_wanted = True
+
+    def settle(self) -> None:
+        """The controller is built and has described the machine: everybody sees it, and from here on changes are told apart."""
+        memories = self._memories
+        self.hli = hli_area(self._machine, memories.shared_hli.hli, memories.hli.hli)
+        _copy(memories.hli.hli, memories.shared_hli.hli)
+        self.link = link_area(memories.shared_link, memories.link)
+        words = memoryview(self._image.words)
+        self.image = Area(words, words, ())
+        self.image.sizes[::8] = 8
+        self.figures = Area(memoryview(self._figures), memoryview(self._figures), ())
+        self.areas = (self.hli, self.link, self.image, self.figures)
+
+    # ------------------------------------------------------------------ the cycle
+
+    def begin(self, time: float) -> None:
+        """A cycle begins at `time` (s since the start of the runtime)."""
+        wall_ns = self.wall_ns = self._wall_clock()
+        self.cycle += 1
+        out = self.out
+        out[1] = self.cycle
+        self._time[0] = time
+        out[3] = wall_ns
+        out[4] = 0
+        self._at = HEAD
+        if self.keyframe_wanted and (self.cycle == 1 or not self._calls):  # those are in the state already
+            self._keyframe()
+        if self._calls:
+            calls, self._calls = self._calls, []
+            self._section(Section.CALLS, text_words(calls))
+
+    def call(self, name: str, **values: object) -> None:
+        """The process does something with the controller between two cycles: told before it does."""
+        self.wall_ns = self._wall_clock()
+        self._calls.append([name, self.wall_ns, values])
+
+    def take_in(self) -> None:
+        """Behind the read of the drives: what has come from everywhere."""
+        image, figures, out = self._image, self._figures, self.out
+        figures[0], figures[1] = image.bus_load, image.emcy_count
+        figures[2], figures[3] = image.frames_sent, image.frames_received
+        if image.events:
+            self._section(Section.DRIVE_EVENTS, text_words([list(event) for event in image.events]))
+        at = self.figures.take_in(Section.FIGURES, out, self._at)
+        at = self.image.take_in(Section.IMAGE, out, at)
+        at = self.hli.take_in(Section.HLI, out, at)
+        self._at = self.link.take_in(Section.LINK, out, at)
+        self._take_queue()
+
+    def _take_queue(self) -> None:
+        """How far the queue is filled: the link first, so that whatever it tells of is in the queue."""
+        own, shared = self._memories.queue, self._memories.shared_queue
+        counters = own.counters
+        written, before = int(shared.counters[0]), int(counters[0])
+        if written != before:
+            counters[3] += _count_ahead(self._kinds, before, written, int(RecordKind.FUNCTION_AHEAD))
+            counters[0] = written
+        put = [int(shared.counters[2]), int(own.texts.counters[0]), int(own.limits.counters[0])]
+        if written != before or put != self._seen:
+            counters[2] = put[0]
+            self._section(Section.QUEUE, np.array([written, *put, counters[3]], dtype=np.int64))
+            seen = self._seen
+            self._slots(Section.QUEUE_NAMES, self._names, seen[0], put[0])
+            self._slots(Section.QUEUE_TEXTS, self._texts, seen[1], put[1])
+            self._slots(Section.QUEUE_LIMITS, self._sets, seen[2], put[2])
+            self._seen = put
+        first = self._recorded
+        if first < written:
+            count = min(written - first, RECORDS_PER_CYCLE)
+            at = self._at
+            if at + 2 + count * (RECORD_WORDS + self._polynomials.shape[1]) > len(self.out):
+                return  # with a keyframe; in the next cycle then
+            self.out[at + 1] = first
+            end = _stage_records(self._records, self._polynomials, self._kinds, first, count, self.out, at + 2)
+            self.out[at] = int(Section.QUEUE_RECORDS) << 32 | (end - at - 1)
+            self._at, self._recorded = end, first + count
+
+    def _slots(self, kind: Section, slots: Words, first: int, end: int) -> None:
+        """What was put into a small ring: slots first … end - 1, the newest of them if there are more than it has."""
+        first = max(first, end - len(slots))
+        if first < end:
+            rows = slots[np.arange(first, end) % len(slots)]
+            self._section(kind, np.concatenate([np.array([first], dtype=np.int64), rows.ravel()]))
+
+    def before_plc(self) -> None:
+        """The PLC is woken: it sees what the cycle has written so far."""
+        self._at = self.hli.give_out(Section.BEFORE_PLC, self.out, self._at)
+
+    def after_plc(self) -> None:
+        """A PLC in this process has done its cycle."""
+        self._at = self.hli.take_in(Section.AFTER_PLC, self.out, self._at)
+
+    def give_out(self) -> None:
+        """In front of the write to the drives: what the cycle has done goes to everybody, and into the ring."""
+        out = self.out
+        at = self.hli.give_out(Section.HLI_OUT, out, self._at)
+        at = self.link.give_out(Section.LINK_OUT, out, at)
+        self._at = self.image.give_out(Section.IMAGE_OUT, out, at)
+        read = int(self._memories.queue.counters[1])
+        free_to = min(read, self._recorded)  # nothing is written over that is not recorded
+        shared = self._memories.shared_queue.counters
+        if shared[1] != free_to:
+            shared[1] = free_to
+        self._section(Section.QUEUE_READ, np.array([read], dtype=np.int64))
+        at = self._at
+        if at > len(out):  # cannot be replayed: as if it was dropped
+            self._gap = True
+            return
+        out[0] = at
+        if self._gap:
+            out[4] |= GAP
+        self._gap = not self._ring.put(out[:at])
+
+    def _section(self, kind: Section, words: Words) -> None:
+        at, count = self._at, len(words)
+        end = at + 1 + count
+        if end <= len(self.out):
+            self.out[at] = int(kind) << 32 | count
+            self.out[at + 1 : end] = words
+        self._at = end
+
+    # ------------------------------------------------------------------ keyframes
+
+    def _keyframe(self) -> None:
+        """Everything that a replay needs to begin in front of this cycle."""
+        self.keyframe_wanted = False
+        self.out[4] |= KEYFRAME
+        for number, area in enumerate(self.areas):
+            at = self._at
+            self._section(Section.KEYFRAME_AREA, np.concatenate([np.array([number], dtype=np.int64), area.agreed]))
+            assert self._at > at
+        counters = self._memories.queue.counters
+        self._section(Section.KEYFRAME_QUEUE, counters)
+        self._recorded = int(counters[1])  # what is in the queue follows, some records in each cycle
+        self._seen = [0, 0, 0]
+        if self.snapshot is not None and self.cycle > 1:  # in front of the first cycle everything is as it was built
+            self._section(Section.KEYFRAME_STATE, self.snapshot())
+
+
+class BorderDrives:
+    """The drives as the controller knows them."""
+
+    def __init__(self, drives: DriveSystem, border: Border) -> None:
+        self.image = drives.image
+        self._drives, self._border = drives, border
+
+    def start(self) -> None:
+        self._drives.start()
+
+    def read(self) -> None:
+        self._drives.read()
+        self._border.take_in()
+
+    def write(self) -> None:
+        self._border.give_out()
+        self._drives.write()
+
+    def tell_again(self) -> None:
+        self._drives.tell_again()
+
+    def stop(self) -> None:
+        self._drives.stop()
+
+
+class BorderPlc:
+    """The PLC as the controller knows it. `inline`: it runs in this process, and has done its cycle when `wake` returns."""
+
+    def __init__(self, partner: Plc, border: Border, *, inline: bool) -> None:
+        self._partner, self._border, self._inline = partner, border, inline
+
+    def wake(self, time: float) -> None:
+        self._border.before_plc()
+        self._partner.wake(time)
+        if self._inline:
+            self._border.after_plc()
+
+    def restart(self) -> None:
+        self._partner.restart()

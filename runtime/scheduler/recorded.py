@@ -1,0 +1,64 @@
+"""A controller behind the border of the recorder: in the cycle process, in the simulation, in the bench."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from runtime.cnc.motion_queue import MotionQueue
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.config.machine import Machine
+from runtime.drives import DriveSystem
+from runtime.hli.memory import HliMemory
+from runtime.recorder.border import Border, BorderDrives, BorderPlc, Memories
+from runtime.recorder.file import RecordingWriter
+from runtime.recorder.header import make_header
+from runtime.recorder.ring import RecorderRing
+from runtime.scheduler.plc_link import PlcPartner
+
+
+@dataclass(frozen=True, slots=True)
+class Seam:
+    """Everything through which a controller and the outside meet."""
+
+    drives: DriveSystem
+    memory: HliMemory
+    queue: MotionQueue
+    link: PreparationLink
+    plc: PlcPartner | None
+    wall_clock: Callable[[], int]
+
+
+def put_border(machine: Machine, outside: Seam, ring: RecorderRing, *, inline_plc: bool) -> tuple[Seam, Border]:
+    """The seam for a controller that is to be recorded. `settle` of the border follows when the controller is built."""
+    memories = Memories(outside.memory, outside.link, outside.queue)
+    border = Border(machine, memories, outside.drives.image, ring, outside.wall_clock)
+    drives = BorderDrives(outside.drives, border)
+    plc = BorderPlc(outside.plc, border, inline=inline_plc) if outside.plc is not None else None
+    inside = Seam(drives, memories.hli, memories.queue, memories.link, plc, lambda: border.wall_ns)
+    return inside, border
+
+
+class SimulationRecording:
+    """The recorder of a simulation, which writes into one file as it goes."""
+
+    def __init__(
+        self, path: Path, machine: Machine, machine_file: Path | None, outside: Seam, *, real_drives: bool
+    ) -> None:
+        plc = "none" if outside.plc is None else "inline"
+        header = make_header(machine, machine_file, outside.drives.image, plc, real=real_drives)
+        self._ring = RecorderRing(size=4 << 20)
+        self._writer = RecordingWriter(path, header)
+        self.seam, self.border = put_border(machine, outside, self._ring, inline_plc=True)
+
+    def drain(self) -> None:
+        """Behind a cycle."""
+        if self._ring.waiting > 1 << 20:
+            self._writer.add(self._ring.take())
+
+    def close(self) -> None:
+        """Write what has still come."""
+        while self._ring.waiting:
+            self._writer.add(self._ring.take())
+        self._writer.close()

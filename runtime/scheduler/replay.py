@@ -1,0 +1,479 @@
+"""The cycle once more: the same controller, on what was recorded, compared word by word with what it gave out then.
+
+    recording ─▶ inputs ─▶ controller ─▶ outputs ─┬─ equal: next cycle
+                                          recorded ┘   not: where they part (cycle, element, recorded and replayed value)
+
+Nothing else runs: no drives, no PLC, no preparation; the time is the recorded one.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.cnc.geometry.polynomials import ROWS, WIDTH
+from runtime.cnc.motion_queue import PROGRAMS, MotionQueue, RecordKind
+from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.queue_limits import SETS
+from runtime.cnc.queue_texts import TEXTS
+from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import CATALOGUE
+from runtime.diagnostics.catalogue import recorder as errors
+from runtime.diagnostics.errors import Place, Problem
+from runtime.diagnostics.events import EventRing
+from runtime.drives import DriveEvent, DriveImage
+from runtime.hli.layout import Platform
+from runtime.hli.memory import HliMemory
+from runtime.recorder.areas import Area, Element, apply_changes
+from runtime.recorder.border import RECORD_WORDS
+from runtime.recorder.file import RecordingError, RecordingFile
+from runtime.recorder.header import described_machine, image_words, processor, source_hash
+from runtime.recorder.machine_areas import AREAS, elements_of_area, hli_area, layouts, link_area
+from runtime.recorder.record import GAP, KEYFRAME, CycleRecord, Section, value_of
+from runtime.recorder.state import restore
+from runtime.scheduler.controller import Controller
+from runtime.scheduler.retained import RetainedAlarm
+from runtime.scheduler.trace import SampleRecorder, TraceWriter
+
+Words = npt.NDArray[np.int64]
+_NOTHING: Words = np.zeros(0, dtype=np.int64)
+_POLYNOMIAL = int(RecordKind.POLYNOMIAL)
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Where a replay parts from its recording; `element` is the first one that differs."""
+
+    cycle: int
+    time: float  # s since the start of the runtime
+    area: str
+    element: str
+    recorded: str
+    replayed: str
+
+    def __str__(self) -> str:
+        return (
+            f"parts in cycle {self.cycle} ({self.time:.3f} s): {self.area}, {self.element}: "
+            f"recorded {self.recorded}, replayed {self.replayed}"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayResult:
+    """`cycles` were the same; `seconds` of the machine; `gaps`: how often something was missing, and a keyframe went on."""
+
+    cycles: int
+    seconds: float
+    difference: Difference | None
+    gaps: int = 0
+
+    @property
+    def same(self) -> bool:
+        return self.difference is None
+
+
+class _Drives:
+    """The drives of a replay: their feedback is what was recorded."""
+
+    def __init__(self, replay: Replay, image: DriveImage) -> None:
+        self.image = image
+        self._replay = replay
+
+    def start(self) -> None:
+        """There are none."""
+
+    def read(self) -> None:
+        self._replay.take_in()
+
+    def write(self) -> None:
+        self._replay.give_out()
+
+    def tell_again(self) -> None:
+        """What is still lost is told by the recording, in the next cycle."""
+
+    def stop(self) -> None:
+        """There are none."""
+
+
+class _Plc:
+    """The PLC of a replay: what it did is in the recording."""
+
+    def __init__(self, replay: Replay, platform: Platform, *, process: bool) -> None:
+        self._replay, self._platform, self._process = replay, platform, process
+
+    def wake(self, time: float) -> None:
+        self._replay.plc_woken()
+
+    def restart(self) -> None:
+        if self._process:
+            self._platform.plc_restart_request_r += 1
+
+
+class _Queue:
+    """Brings the motion queue's records to their places when they were there in the recording.
+
+    They were recorded some at a time, so some of them stand in records of later cycles.
+    """
+
+    def __init__(self, queue: MotionQueue, ahead: Iterator[CycleRecord]) -> None:
+        self.queue = queue
+        self._ahead = ahead
+        self._records = queue.records.view(np.int64).reshape(queue.capacity, RECORD_WORDS)
+        self._polynomials = queue.polynomials.view(np.int64).reshape(queue.capacity, ROWS * WIDTH)
+        self.read_ahead: deque[CycleRecord] = deque()
+        self._waiting: deque[tuple[int, Words]] = deque()
+        self.filled = 0
+
+    def records(self) -> Iterator[CycleRecord]:
+        """The records of the recording in their order."""
+        while True:
+            if not self.read_ahead and not self._look():
+                return
+            yield self.read_ahead.popleft()
+
+    def _look(self) -> bool:
+        record = next(self._ahead, None)
+        if record is None:
+            return False
+        if record.marks & KEYFRAME:
+            self._waiting.clear()  # its own follow
+        for kind, words in record.sections:
+            if kind == Section.QUEUE_RECORDS:
+                self._waiting.append((int(words[0]), words[1:]))
+        self.read_ahead.append(record)
+        return True
+
+    def fill_to(self, written: int) -> bool:
+        """Everything in front of record `written` is in its place; FALSE if the recording ends before it stands there."""
+        while self.filled < written:
+            if not self._waiting:
+                if any(record.marks & KEYFRAME for record in self.read_ahead) or not self._look():
+                    return False
+                continue
+            first, words = self._waiting.popleft()
+            at, index = 0, first
+            while at < len(words) and index < written:
+                slot = index % self.queue.capacity
+                self._records[slot] = words[at : at + RECORD_WORDS]
+                at += RECORD_WORDS
+                if self._records[slot, 0] == _POLYNOMIAL:
+                    self._polynomials[slot] = words[at : at + ROWS * WIDTH]
+                    at += ROWS * WIDTH
+                index += 1
+            self.filled = index
+            if at < len(words):
+                self._waiting.appendleft((index, words[at:]))
+        return True
+
+
+class Replay:
+    """`run` does it; `machine` and the description in the file may differ where a change is to be tried."""
+
+    def __init__(self, file: RecordingFile, machine: Machine | None = None, trace: Path | None = None) -> None:
+        self.file = file
+        header = file.header
+        if machine is None:
+            with TemporaryDirectory() as folder:
+                machine = described_machine(header, Path(folder))
+        self.machine = machine
+        self.image = DriveImage(len(machine.axes))
+        self._check(header)
+        self._header = header
+        self._writer = TraceWriter(trace) if trace else None
+        self.samples = SampleRecorder(machine.channels[0].axes)
+        self._wall_ns = 0
+        self.difference: Difference | None = None
+        self._record: CycleRecord | None = None
+        self._woken = False
+        self._cut_off = False
+        self._scratch: Words = np.zeros(1 << 17, dtype=np.int64)
+
+    def _check(self, header: Mapping[str, Any]) -> None:
+        for what, expected in layouts(self.image).items():
+            found = header["layouts"].get(what, "none")
+            if found != expected:
+                values = {"what": what, "found": found[:12], "expected": expected[:12], "version": header["version"]}
+                raise RecordingError(errors.OTHER_LAYOUT, Place(str(self.file.path)), **values)
+
+    @property
+    def warnings(self) -> list[Problem]:
+        """What makes it likely that they part."""
+        found = []
+        header, place = self.file.header, Place(str(self.file.path))
+        if (sources := source_hash()) != header["sources"]:
+            values = {"found": header["sources"], "expected": sources, "version": header["version"]}
+            found.append(Problem(errors.OTHER_SOURCES, values, place))
+        if processor() != header["processor"]:
+            values = {"found": header["processor"], "expected": processor()}
+            found.append(Problem(errors.OTHER_PROCESSOR, values, place))
+        return found
+
+    # ------------------------------------------------------------------ building
+
+    def _build(self, records: Iterator[CycleRecord]) -> None:
+        """A machine as it was in front of the first cycle of its process."""
+        machine, header = self.machine, self._header
+        n_axes = len(machine.channels[0].axes)
+        self.image = DriveImage(len(machine.axes))
+        self.image.words[:] = image_words(header)
+        self.memory = HliMemory.private()
+        self.link = PreparationLink(n_axes)
+        self.queue = MotionQueue(n_axes)
+        self._source = _Queue(self.queue, records)
+        self.events = EventRing()
+        plc = None
+        if header["plc"] != "none":
+            plc = _Plc(self, self.memory.hli.platform, process=header["plc"] == "process")
+        self.controller = Controller(
+            machine,
+            _Drives(self, self.image),
+            self.memory,
+            self.events,
+            self.queue,
+            self.link,
+            plc,
+            wall_clock=lambda: self._wall_ns,
+            real_drives=header["real_drives"],
+        )
+        self.controller.channel.trace_blocks = self._writer is not None
+        self._figures = np.zeros(4)
+        words = memoryview(self.image.words)
+        self.hli = hli_area(machine, HliMemory.private().hli, self.memory.hli)
+        self.link_area = link_area(PreparationLink(n_axes), self.link)
+        self.drives_area = Area(words, words, ())
+        self.figures_area = Area(memoryview(self._figures), memoryview(self._figures), ())
+        self.areas = (self.hli, self.link_area, self.drives_area, self.figures_area)
+
+    # ------------------------------------------------------------------ running
+
+    def run(self, *, stop_at: int | None = None) -> ReplayResult:
+        """From the first keyframe to the end of the recording, to the cycle `stop_at`, or to where they part."""
+        cycles, gaps = 0, 0
+        begin = end = 0.0
+        self._build(self.file.records())
+        running = False
+        for record in self._source.records():
+            if record.marks & GAP and not record.marks & KEYFRAME:
+                running = False
+            if not running:
+                if not record.marks & KEYFRAME:
+                    continue
+                gaps += cycles > 0
+                self._begin(record)
+                running = True
+                begin = record.time if cycles == 0 else begin
+            self._cycle(record)
+            if self._cut_off:
+                break
+            if self.difference is not None:
+                break
+            cycles, end = cycles + 1, record.time
+            if stop_at is not None and record.cycle >= stop_at:
+                break
+        if cycles == 0 and self.difference is None:
+            raise RecordingError(errors.NO_BEGINNING, Place(str(self.file.path)))
+        result = ReplayResult(cycles, end - begin + self.machine.cycle.period, self.difference, gaps)
+        if self._writer is not None:
+            self._writer.close(self.samples, self._summary(result))
+        return result
+
+    def _begin(self, record: CycleRecord) -> None:
+        """The state in front of a record with a keyframe."""
+        for kind, words in record.sections:
+            if kind == Section.KEYFRAME_AREA:
+                area = self.areas[int(words[0])]
+                area.own[:] = words[1:]
+                area.agreed[:] = words[1:]
+            elif kind == Section.KEYFRAME_QUEUE:
+                self.queue.counters[:] = words
+                self._source.filled = int(words[1])
+            elif kind == Section.KEYFRAME_STATE:
+                restore(self.controller, words)
+
+    def _cycle(self, record: CycleRecord) -> None:
+        self._record, self._woken = record, False
+        self._cut_off = False
+        calls = record.section(Section.CALLS)
+        if calls is not None:
+            for name, wall_ns, values in value_of(calls):
+                self._wall_ns = wall_ns
+                self._call(name, values)
+        self._wall_ns = record.wall_ns
+        self.controller.cycle(record.time)
+        if not self._woken and record.section(Section.BEFORE_PLC) is not None and not self._cut_off:
+            self._part("PLC", "woken", "yes", "no")
+        if self._writer is not None or self.events_full:
+            self._trace(record)
+
+    @property
+    def events_full(self) -> bool:
+        """From time to time the events are taken, so that none is lost."""
+        return self.controller.cycle_number % 64 == 0
+
+    def _trace(self, record: CycleRecord) -> None:
+        taken = self.events.take()
+        if self._writer is None:
+            return
+        for event in taken:
+            self._writer.event(event)
+        channel = self.controller.channel
+        if channel.active:
+            path = channel.interpolator
+            rapid = not 0.0 < channel.programmed_feed < float("inf")
+            self.samples.add(record.time, path.position, path.path_velocity, max(path.line, 0), rapid)
+
+    def _summary(self, result: ReplayResult) -> dict[str, object]:
+        names = self.machine.channels[0].axes
+        targets = self.image.target_position
+        return {
+            "time_s": round(result.seconds, 9),
+            "path_length_mm": round(self.controller.channel.path_length, 9),
+            "positions": {name: float(targets[self.machine.axis_index(name)]) for name in names},
+            "cycles": result.cycles,
+            "same": result.same,
+            "parts": str(result.difference) if result.difference else "",
+        }
+
+    def _call(self, name: str, values: Mapping[str, Any]) -> None:
+        """What the process did with the controller between two cycles."""
+        controller = self.controller
+        if name == "alarm":
+            entry = CATALOGUE[values["id"]]
+            controller.alarm(Problem(entry, values["values"], Place(*values["place"])), values["axis"])
+        elif name == "restore":
+            controller.alarms.restore(RetainedAlarm(**alarm) for alarm in values["alarms"])
+        elif name == "stop":
+            controller.stop()
+
+    # ------------------------------------------------------------------ the seam
+
+    def take_in(self) -> None:
+        """Behind the read of the drives: apply what had come."""
+        record, image = self._record, self.image
+        assert record is not None
+        image.events.clear()
+        for kind, words in record.sections:
+            if kind == Section.IMAGE:
+                apply_changes(words, self.drives_area.own, self.drives_area.agreed)
+            elif kind == Section.FIGURES:
+                apply_changes(words, self.figures_area.own, self.figures_area.agreed)
+                image.bus_load = float(self._figures[0])
+                image.emcy_count, image.frames_sent, image.frames_received = map(int, self._figures[1:])
+            elif kind == Section.HLI:
+                apply_changes(words, self.hli.own, self.hli.agreed)
+            elif kind == Section.LINK:
+                apply_changes(words, self.link_area.own, self.link_area.agreed)
+            elif kind == Section.DRIVE_EVENTS:
+                image.events.extend(DriveEvent(*event) for event in value_of(words))
+            elif Section.QUEUE <= kind <= Section.QUEUE_LIMITS:
+                self._fill_queue(kind, words)
+            elif kind >= Section.BEFORE_PLC:
+                break
+
+    def _fill_queue(self, kind: int, words: Words) -> None:
+        queue = self.queue
+        if kind == Section.QUEUE:
+            counters = queue.counters
+            if not self._source.fill_to(int(words[0])):
+                self._cut_off = True
+                return
+            counters[0], counters[2], counters[3] = words[0], words[1], words[4]
+            queue.texts.counters[0], queue.limits.counters[0] = words[2], words[3]
+            return
+        slots = {
+            Section.QUEUE_NAMES: queue.names.view(np.int64).reshape(PROGRAMS, -1),
+            Section.QUEUE_TEXTS: queue.texts.slots.view(np.int64).reshape(TEXTS, -1),
+            Section.QUEUE_LIMITS: queue.limits.sets.view(np.int64).reshape(SETS, -1),
+        }[Section(kind)]
+        rows = words[1:].reshape(-1, slots.shape[1])
+        slots[np.arange(int(words[0]), int(words[0]) + len(rows)) % len(slots)] = rows
+
+    def plc_woken(self) -> None:
+        """Compare what the PLC gets to see, apply what it did."""
+        self._woken = True
+        self._compare(0, self.hli, Section.BEFORE_PLC)
+        assert self._record is not None
+        done = self._record.section(Section.AFTER_PLC)
+        if done is not None:
+            apply_changes(done, self.hli.own, self.hli.agreed)
+
+    def give_out(self) -> None:
+        """In front of the write to the drives: compare everything that was given out."""
+        self._compare(2, self.drives_area, Section.IMAGE_OUT)
+        self._compare(0, self.hli, Section.HLI_OUT)
+        self._compare(1, self.link_area, Section.LINK_OUT)
+        assert self._record is not None
+        read = self._record.section(Section.QUEUE_READ)
+        here = int(self.queue.counters[1])
+        if read is not None and int(read[0]) != here:
+            self._part("motion queue", "records read", str(int(read[0])), str(here))
+
+    def _compare(self, number: int, area: Area, kind: Section) -> None:
+        assert self._record is not None
+        recorded = self._record.section(kind)
+        end = area.give_out(kind, self._scratch, 0)
+        replayed = self._scratch[1:end]
+        expected = _NOTHING if recorded is None else recorded
+        if np.array_equal(replayed, expected) or self.difference is not None or self._cut_off:
+            return
+        before, now = _values(expected), _values(replayed)
+        for word in sorted(before.keys() | now.keys()):
+            # whoever has no new value of a word has the old one; the replay's is at hand
+            old = int(area.own[word])
+            was, is_now = before.get(word), now.get(word, old)
+            if was is not None and was != is_now:
+                self._part_at(number, word, was, is_now)
+                return
+            if was is None:
+                self._part_at(number, word, None, is_now)
+                return
+
+    def _part_at(self, area: int, word: int, recorded: int | None, replayed: int) -> None:
+        elements = [e for e in elements_of_area(area, self.image) if e.offset < 8 * word + 8]
+        for element in elements:
+            if element.offset + element.size * element.count <= 8 * word:
+                continue
+            then = "unchanged" if recorded is None else _told(element, word, recorded)
+            now = _told(element, word, replayed)
+            if then != now:
+                name = element.name
+                if element.count > 1:
+                    name += f"[{max(0, 8 * word - element.offset) // element.size}]"
+                self._part(AREAS[area], name, then, now)
+                return
+        self._part(AREAS[area], f"word {word}", str(recorded), str(replayed))
+
+    def _part(self, area: str, element: str, recorded: str, replayed: str) -> None:
+        if self.difference is None and self._record is not None:
+            record = self._record
+            self.difference = Difference(record.cycle, record.time, area, element, recorded, replayed)
+
+
+def _values(changes: Words) -> dict[int, int]:
+    """Word -> new value of words of changes."""
+    found, at = {}, 0
+    while at < len(changes):
+        word, count = int(changes[at]) >> 32, int(changes[at]) & 0xFFFFFFFF
+        found |= {word + k: int(changes[at + 1 + k]) for k in range(count)}
+        at += 1 + count
+    return found
+
+
+def _told(element: Element, word: int, value: int) -> str:
+    """What an element has of a word, as a number; text as letters."""
+    data = struct.pack("<q", value)
+    begin = max(element.offset - 8 * word, 0)
+    end = min(element.offset + element.size * element.count - 8 * word, 8)
+    part = data[begin:end]
+    if element.size == 1 and element.count > 1:
+        return repr(part.rstrip(b"\0").decode("latin-1")) if element.kind in "cSB" else part.hex(" ")
+    numbers = np.frombuffer(part[: len(part) // element.size * element.size], dtype=element.kind)
+    return ", ".join(repr(number.item()) for number in numbers)
