@@ -43,6 +43,8 @@ SUB_COMMANDS = (
     SubCommand("doctor", "runtime.cli.doctor", "Tell whether this host is fit for real time, and what to do if not."),
     SubCommand("bus", "runtime.cli.bus", "Look at the nodes of a CANopen bus on which no machine runs."),
     SubCommand("drive", "runtime.cli.drive", "Look at and move one drive of a machine that does not run."),
+    SubCommand("record", "runtime.cli.record", "Save what the flight recorder of a machine has kept (save, list)."),
+    SubCommand("replay", "runtime.cli.replay", "Run a recording through the cycle code again, and compare bit by bit."),
     SubCommand("hli", "runtime.cli.hli", "Look into the interface memory of a running machine."),
     SubCommand("plc", "runtime.cli.plc", "Replace the PLC program of a running machine (reload)."),
 )

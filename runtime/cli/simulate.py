@@ -26,6 +26,7 @@ def command(
     no_plc: Annotated[bool, typer.Option("--no-plc", help="Every function is acknowledged at once.")] = False,
     start_at: Annotated[str, typer.Option("--start-at", help=HELP)] = "",
     passes: Annotated[int, typer.Option(help="How often that block is come to, in loops and subprograms.", min=1)] = 1,
+    record: Annotated[Path | None, typer.Option(help="Write a recording for `tandem replay` into this file.")] = None,
     watch: Annotated[
         list[str] | None, typer.Option(help="A V. variable for the summary (not in this version).")
     ] = None,
@@ -57,6 +58,8 @@ def command(
         plc=not no_plc,
         base=config.parent if config else None,
         tools=copied_tools(machine, os.environ),
+        record=record,
+        machine_file=config,
     )
     progress = _tell_progress if sys.stderr.isatty() else None
     result = simulation.run_program(file, progress=progress, search=search)

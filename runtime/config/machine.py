@@ -253,6 +253,16 @@ class HliAccess(Model):
         return {"none": 0o600, "read": 0o640, "command": 0o660}[self.group]
 
 
+class Recorder(Model):
+    """The flight recorder: what the cycle takes in and gives out, for `tandem replay`."""
+
+    enabled: bool = True
+    minutes: Annotated[float, Field(gt=0)] = 10.0  # that are kept while the machine runs
+    size: Annotated[int, Field(ge=8)] = 256  # MB of the disk that they may take
+    keyframe_every: Seconds = 30.0  # a replay begins at a keyframe
+    saved: Annotated[int, Field(ge=0)] = 5  # recordings of alarms that are kept
+
+
 class ToolTable(Model):
     """Where the tools are that D words select: a table, if the channel has no external tool management."""
 
@@ -277,6 +287,7 @@ class Machine(Model):
     metrics: Metrics = Metrics()
     hli: HliAccess = HliAccess()
     tools: ToolTable = ToolTable()
+    recorder: Recorder = Recorder()
     error_texts: FileBeside | None = None  # texts for #ERROR, lines `number text`
     state_directory: Annotated[Path, Field(strict=False)] | None = (
         None  # retained data; default: $STATE_DIRECTORY, else ~/.local/state/tandem

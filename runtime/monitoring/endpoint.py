@@ -20,7 +20,7 @@ from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind
 from runtime.hli.layout import Hli
-from runtime.monitoring.metrics import METRICS, CycleReading, HistogramReading, Kind, Metric, Source
+from runtime.monitoring.metrics import METRICS, CycleReading, HistogramReading, Kind, Metric, RecorderReading, Source
 
 
 class MetricsError(TandemError):
@@ -34,9 +34,9 @@ class MachineCollector(Collector):
     events, which are those of this run: the alarm list of the interface begins with those of earlier runs.
     """
 
-    def __init__(self, hli: Hli, cycle: CycleReading) -> None:
+    def __init__(self, hli: Hli, cycle: CycleReading, recorder: RecorderReading | None = None) -> None:
         self._errors: dict[tuple[str, str], int] = {}
-        self._source = Source(hli, cycle, self._errors)
+        self._source = Source(hli, cycle, self._errors, recorder)
         self._lock = threading.Lock()  # scrapes have a thread each
 
     def count(self, event: Event) -> None:

@@ -53,6 +53,17 @@ class CycleReading(Protocol):
         """Due time to start."""
 
 
+class RecorderReading(Protocol):
+    """Figures of the flight recorder, as runtime.recorder.drain keeps them."""
+
+    bytes: int  # on the disk
+    records: int  # cycles that were recorded
+    dropped: int  # that found the ring full
+    lost: int  # that the disk did not take
+    saved: int  # recordings that alarms have saved
+    writing: bool
+
+
 @dataclass(frozen=True, slots=True)
 class Source:
     """What the metrics are read from."""
@@ -60,6 +71,7 @@ class Source:
     hli: Hli
     cycle: CycleReading
     errors: Mapping[tuple[str, str], int]  # (id, severity) -> how often
+    recorder: RecorderReading | None = None
 
 
 class Kind(Enum):
@@ -91,6 +103,22 @@ def _one(value: Callable[[Hli], float]) -> Callable[[Source], Samples]:
         yield (), value(source.hli)
 
     return read
+
+
+def _recorder(value: Callable[[RecorderReading], float]) -> Callable[[Source], Samples]:
+    """Nothing is told of a recorder that is switched off."""
+
+    def read(source: Source) -> Samples:
+        if source.recorder is not None:
+            yield (), value(source.recorder)
+
+    return read
+
+
+def _lost(source: Source) -> Samples:
+    if source.recorder is not None:
+        yield ("ring",), source.recorder.dropped
+        yield ("disk",), source.recorder.lost
 
 
 def _text(raw: bytes) -> str:
@@ -375,6 +403,38 @@ METRICS: tuple[Metric, ...] = (
         "NC blocks that were finished.",
         ("channel",),
         _per_channel(lambda channel: channel.status.block_counter_r),
+    ),
+    # flight recorder
+    Metric(
+        "tandem_recorder_bytes",
+        Kind.GAUGE,
+        "Bytes that the flight recorder has on the disk.",
+        read=_recorder(lambda recorder: recorder.bytes),
+    ),
+    Metric(
+        "tandem_recorder_writing",
+        Kind.GAUGE,
+        "1 while the disk takes what is recorded.",
+        read=_recorder(lambda recorder: recorder.writing),
+    ),
+    Metric(
+        "tandem_recorder_records_total",
+        Kind.COUNTER,
+        "Cycles that were recorded.",
+        read=_recorder(lambda recorder: recorder.records),
+    ),
+    Metric(
+        "tandem_recorder_dropped_total",
+        Kind.COUNTER,
+        "Recorded cycles that were lost, as the ring or the disk was full.",
+        ("at",),
+        _lost,
+    ),
+    Metric(
+        "tandem_recorder_saved_total",
+        Kind.COUNTER,
+        "Recordings that alarms have saved.",
+        read=_recorder(lambda recorder: recorder.saved),
     ),
     # errors
     Metric(

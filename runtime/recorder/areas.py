@@ -31,7 +31,6 @@ from runtime.kernels import kernel, warms
 
 Words = npt.NDArray[np.int64]
 Spans = npt.NDArray[np.int64]
-Buffer = memoryview | bytearray | c.Structure | npt.NDArray[Any]
 _WORD = 8
 _FLAG_END = "_rw"
 _FLAGS = frozenset(  # guards that are no semaphores: counted up, or raised, behind the data
@@ -83,6 +82,15 @@ def elements_of_record(kind: np.dtype[Any], flags: Iterable[str], offset: int = 
         yield Element(name, offset + at, 1 if text else base.itemsize, count, name in flags, "B" if text else base.char)
 
 
+def words_of(buffer: Any) -> Words:
+    """The words of a structure or buffer, without the rest that is no whole word."""
+    data = np.frombuffer(buffer, dtype=np.uint8)
+    return data[: len(data) // _WORD * _WORD].view(np.int64)
+
+
+WHOLE_WORDS: tuple[Element, ...] = (Element("", 0, _WORD, 1 << 40, False),)  # of memories that only one process writes
+
+
 class Area:
     """The three copies of a memory, and how they are compared. Sizes are whole words.
 
@@ -91,16 +99,15 @@ class Area:
 
     def __init__(
         self,
-        shared: Buffer,
-        own: Buffer,
+        shared: Words,
+        own: Words,
         elements: Iterable[Element],
         ranges: Iterable[tuple[int, int]] | None = None,
     ) -> None:
-        size = memoryview(own).nbytes
-        if size % _WORD or memoryview(shared).nbytes < size:
-            raise ValueError(f"an area is whole words on both sides, not {size} bytes")
-        self.shared: Words = np.frombuffer(shared, dtype=np.int64, count=size // _WORD)
-        self.own: Words = np.frombuffer(own, dtype=np.int64, count=size // _WORD)
+        if len(shared) != len(own):
+            raise ValueError(f"an area has the same words on both sides, not {len(shared)} and {len(own)}")
+        size = own.nbytes
+        self.shared, self.own = shared, own
         self.agreed: Words = self.own.copy()
         self.sizes = np.zeros(size, dtype=np.uint8)  # of the element that begins at a byte, 0: none does
         flags: set[int] = set()
@@ -118,13 +125,12 @@ class Area:
 
     def take_in(self, kind: int, out: Words, at: int) -> int:
         """What others have written, as a section of a record; the place behind it."""
-        return section_in(kind, self.shared, self.own, self.agreed, self.flags, self.guarded, out, at)
+        # a plain number: to tell the type of an enum takes Numba half a millisecond
+        return section_in(int(kind), self.shared, self.own, self.agreed, self.flags, self.guarded, out, at)
 
     def give_out(self, kind: int, out: Words, at: int) -> int:
         """What the cycle has written, as a section of a record; the place behind it."""
-        return section_out(
-            kind, self.shared, self.own, self.agreed, self.guarded, self.flags, self.sizes, out, at
-        )
+        return section_out(int(kind), self.shared, self.own, self.agreed, self.guarded, self.flags, self.sizes, out, at)
 
     def settle(self) -> None:
         """Bring everything that the cycle has written so far to the others; before anybody else writes."""
@@ -186,9 +192,7 @@ def _write_one(word: int, value: int, out: Words, at: int) -> int:
 
 
 @kernel
-def take_in(
-    shared: Words, own: Words, agreed: Words, flags: Words, guarded: Spans, out: Words, at: int
-) -> int:
+def take_in(shared: Words, own: Words, agreed: Words, flags: Words, guarded: Spans, out: Words, at: int) -> int:
     """Take over what others have written, and write it down in `out` from `at` on; the place behind it.
 
     A place beyond the end of `out` tells that it had no room for everything; what is taken over is whole all the same.

@@ -6,8 +6,8 @@ The controller has memories of its own (HLI, preparation link, counters of the m
 them at `read`, and what the controller has written goes to the others before the PLC is woken and before `write`. In between the
 outside stands still for the cycle, so that a recording knows all of it, and a replay does the same bit by bit.
 
-The two protocols that the controller knows are the seam: `BorderDrives` stands in front of the drives, `BorderPlc` in front of the
-PLC. Nothing here waits, and nothing grows.
+The two protocols that the controller knows are the seam: `BorderDrives` stands before the drives, `BorderPlc` before the PLC.
+Nothing here waits, and nothing grows.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from runtime.config.machine import Machine
 from runtime.drives import DriveImage, DriveSystem
 from runtime.hli.memory import HliMemory
 from runtime.kernels import kernel, warms
-from runtime.recorder.areas import Area
+from runtime.recorder.areas import WHOLE_WORDS, Area
 from runtime.recorder.machine_areas import hli_area, link_area
 from runtime.recorder.record import GAP, HEAD, KEYFRAME, Section, text_words
 from runtime.recorder.ring import RecorderRing
@@ -36,7 +36,12 @@ Numbers = npt.NDArray[np.int64]
 STAGE = 1 << 17  # words of the longest record: a keyframe has some 40000, a cycle some 30
 RECORDS_PER_CYCLE = 256  # of the motion queue
 RECORD_WORDS = RECORD.itemsize // 8
-_POLYNOMIAL = int(RecordKind.POLYNOMIAL)
+# plain numbers: an enum as the argument of a kernel is slow
+_FIGURES, _IMAGE, _HLI, _LINK = (int(kind) for kind in (Section.FIGURES, Section.IMAGE, Section.HLI, Section.LINK))
+_BEFORE_PLC, _AFTER_PLC = int(Section.BEFORE_PLC), int(Section.AFTER_PLC)
+_HLI_OUT, _LINK_OUT, _IMAGE_OUT = int(Section.HLI_OUT), int(Section.LINK_OUT), int(Section.IMAGE_OUT)
+_QUEUE_READ = int(Section.QUEUE_READ) << 32 | 1  # with its length
+_POLYNOMIAL, _AHEAD = int(RecordKind.POLYNOMIAL), int(RecordKind.FUNCTION_AHEAD)
 
 
 class Plc(Protocol):
@@ -122,7 +127,8 @@ class Border:
         self._sets: Words = own.limits.sets.view(np.int64).reshape(SETS, -1)
         self._seen = [0, 0, 0]  # names, texts, sets that are recorded
         self._recorded = 0  # records of the queue
-        self._hli: Area | None = None
+        self._read = -1  # the record that the cycle has told last
+        self._own_counters, self._shared_counters = own.counters, memories.shared_queue.counters
         self.keyframe_wanted = True
 
     def settle(self) -> None:
@@ -131,10 +137,8 @@ class Border:
         self.hli = hli_area(self._machine, memories.shared_hli.hli, memories.hli.hli)
         _copy(memories.hli.hli, memories.shared_hli.hli)
         self.link = link_area(memories.shared_link, memories.link)
-        words = memoryview(self._image.words)
-        self.image = Area(words, words, ())
-        self.image.sizes[::8] = 8
-        self.figures = Area(memoryview(self._figures), memoryview(self._figures), ())
+        words, figures = self._image.words, self._figures.view(np.int64)
+        self.image, self.figures = Area(words, words, WHOLE_WORDS), Area(figures, figures, WHOLE_WORDS)
         self.areas = (self.hli, self.link, self.image, self.figures)
 
     # ------------------------------------------------------------------ the cycle
@@ -149,6 +153,8 @@ class Border:
         out[3] = wall_ns
         out[4] = 0
         self._at = HEAD
+        if self._ring.take_wish():
+            self.keyframe_wanted = self.snapshot is not None
         if self.keyframe_wanted and (self.cycle == 1 or not self._calls):  # those are in the state already
             self._keyframe()
         if self._calls:
@@ -167,21 +173,20 @@ class Border:
         figures[2], figures[3] = image.frames_sent, image.frames_received
         if image.events:
             self._section(Section.DRIVE_EVENTS, text_words([list(event) for event in image.events]))
-        at = self.figures.take_in(Section.FIGURES, out, self._at)
-        at = self.image.take_in(Section.IMAGE, out, at)
-        at = self.hli.take_in(Section.HLI, out, at)
-        self._at = self.link.take_in(Section.LINK, out, at)
+        at = self.figures.take_in(_FIGURES, out, self._at)
+        at = self.image.take_in(_IMAGE, out, at)
+        at = self.hli.take_in(_HLI, out, at)
+        self._at = self.link.take_in(_LINK, out, at)
         self._take_queue()
 
     def _take_queue(self) -> None:
         """How far the queue is filled: the link first, so that whatever it tells of is in the queue."""
-        own, shared = self._memories.queue, self._memories.shared_queue
-        counters = own.counters
-        written, before = int(shared.counters[0]), int(counters[0])
+        own, counters, shared = self._memories.queue, self._own_counters, self._shared_counters
+        written, before = int(shared[0]), int(counters[0])
         if written != before:
-            counters[3] += _count_ahead(self._kinds, before, written, int(RecordKind.FUNCTION_AHEAD))
+            counters[3] += _count_ahead(self._kinds, before, written, _AHEAD)
             counters[0] = written
-        put = [int(shared.counters[2]), int(own.texts.counters[0]), int(own.limits.counters[0])]
+        put = [int(shared[2]), int(own.texts.counters[0]), int(own.limits.counters[0])]
         if written != before or put != self._seen:
             counters[2] = put[0]
             self._section(Section.QUEUE, np.array([written, *put, counters[3]], dtype=np.int64))
@@ -210,25 +215,25 @@ class Border:
 
     def before_plc(self) -> None:
         """The PLC is woken: it sees what the cycle has written so far."""
-        self._at = self.hli.give_out(Section.BEFORE_PLC, self.out, self._at)
+        self._at = self.hli.give_out(_BEFORE_PLC, self.out, self._at)
 
     def after_plc(self) -> None:
         """A PLC in this process has done its cycle."""
-        self._at = self.hli.take_in(Section.AFTER_PLC, self.out, self._at)
+        self._at = self.hli.take_in(_AFTER_PLC, self.out, self._at)
 
     def give_out(self) -> None:
         """In front of the write to the drives: what the cycle has done goes to everybody, and into the ring."""
         out = self.out
-        at = self.hli.give_out(Section.HLI_OUT, out, self._at)
-        at = self.link.give_out(Section.LINK_OUT, out, at)
-        self._at = self.image.give_out(Section.IMAGE_OUT, out, at)
-        read = int(self._memories.queue.counters[1])
-        free_to = min(read, self._recorded)  # nothing is written over that is not recorded
-        shared = self._memories.shared_queue.counters
-        if shared[1] != free_to:
-            shared[1] = free_to
-        self._section(Section.QUEUE_READ, np.array([read], dtype=np.int64))
-        at = self._at
+        at = self.hli.give_out(_HLI_OUT, out, self._at)
+        at = self.link.give_out(_LINK_OUT, out, at)
+        at = self.image.give_out(_IMAGE_OUT, out, at)
+        read = int(self._own_counters[1])
+        if read != self._read or self._recorded < read:
+            self._read = read
+            self._shared_counters[1] = min(read, self._recorded)  # nothing is written over that is not recorded
+            if at + 2 <= len(out):
+                out[at], out[at + 1] = _QUEUE_READ, read
+            at += 2
         if at > len(out):  # cannot be replayed: as if it was dropped
             self._gap = True
             return
@@ -259,6 +264,7 @@ class Border:
         self._section(Section.KEYFRAME_QUEUE, counters)
         self._recorded = int(counters[1])  # what is in the queue follows, some records in each cycle
         self._seen = [0, 0, 0]
+        self._read = -1
         if self.snapshot is not None and self.cycle > 1:  # in front of the first cycle everything is as it was built
             self._section(Section.KEYFRAME_STATE, self.snapshot())
 

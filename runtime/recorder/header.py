@@ -40,7 +40,9 @@ def processor() -> str:
     return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
 
 
-def make_header(machine: Machine, machine_file: Path | None, image: DriveImage, plc: str, *, real: bool) -> dict[str, Any]:
+def make_header(
+    machine: Machine, machine_file: Path | None, image: DriveImage, plc: str, *, real: bool
+) -> dict[str, Any]:
     """`plc`: "process", "inline" or "none"; `image` as the controller is built with it; `real`: its drives are no ideal ones."""
     return {
         "version": version(),
@@ -87,5 +89,3 @@ def described_machine(header: Mapping[str, Any], folder: Path) -> Machine:
             if channel.get("parameter_list") == name:
                 channel["parameter_list"] = str(path)
     return Machine.model_validate(values, context={"folder": Path(described["folder"])})
-
-

@@ -13,15 +13,15 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.machine import Machine
 from runtime.drives import DriveImage
 from runtime.hli.external import ExternalVariable, external_variables
-from runtime.hli.layout import Hli
+from runtime.hli.layout import MAX_AXES, MAX_CHANNELS, Hli
 from runtime.hli.memory import layout_hash
-from runtime.recorder.areas import Area, Element, elements_of, elements_of_record
+from runtime.recorder.areas import Area, Element, elements_of, elements_of_record, words_of
 
 
 def hli_area(machine: Machine, shared: Hli, own: Hli) -> Area:
-    """The HLI; `own` has been described, and the rest of both is alike. Channels and axes that the machine has not are left out."""
+    """The HLI; `own` has been described, the rest of both is alike. Channels and axes that the machine has not are left out."""
     variables = external_variables(own)
-    return Area(shared, own, _hli_elements(variables), _hli_ranges(machine, variables))
+    return Area(words_of(shared), words_of(own), _hli_elements(variables), _hli_ranges(machine, variables))
 
 
 def _hli_elements(variables: list[ExternalVariable]) -> Iterator[Element]:
@@ -45,22 +45,29 @@ def _places(variable: ExternalVariable) -> Iterator[int]:
 
 def _hli_ranges(machine: Machine, variables: list[ExternalVariable]) -> Iterator[tuple[int, int]]:
     """Bytes that change while the machine runs."""
-    for name, count in (
-        ("head", 1), ("platform", 1), ("channels", len(machine.channels)), ("axes", len(machine.axes)),
-        ("operator", len(machine.channels)), ("image", 1), ("alarm_count_r", 1), ("alarms", 0), ("timers", 0),
-    ):  # fmt: skip
+    parts: dict[str, float] = {
+        "head": 1,
+        "platform": 1,
+        "image": 1,
+        "alarm_count_r": 1,
+        "alarms": 1,
+        "timers": 1,
+    }
+    parts |= {
+        "channels": len(machine.channels) / MAX_CHANNELS,
+        "axes": len(machine.axes) / MAX_AXES,
+        "operator": len(machine.channels) / MAX_CHANNELS,
+    }
+    for name, share in parts.items():
         place = getattr(Hli, name)
-        size = place.size
-        if count and name in ("channels", "axes", "operator"):
-            size = size // dict(Hli._fields_)[name]._length_ * count  # type: ignore[attr-defined]
-        yield place.offset, place.offset + size
+        yield place.offset, place.offset + round(place.size * share)
     end = max((last + variable.size for variable in variables for last in _places(variable)), default=0)
     yield Hli.external.offset, Hli.external.offset + -(-end // 8) * 8
 
 
 def link_area(shared: PreparationLink, own: PreparationLink) -> Area:
     """The preparation link of a channel, with what is told at decoding time."""
-    return Area(shared.buffer, own.buffer, _link_elements())
+    return Area(words_of(shared.buffer), words_of(own.buffer), _link_elements())
 
 
 def _link_elements() -> Iterator[Element]:

@@ -1,7 +1,7 @@
 """The ring between the cycle, which records, and the process that brings the records to the disk.
 
-Whole records of words (8 bytes), each with its length in its first word. One writer, one reader, in shared memory. The cycle never
-waits: a record that finds no room is dropped and counted, and the next one that fits carries the mark of a gap.
+Whole records of words (8 bytes), each with its length in its first word. One writer, one reader, in shared memory. The cycle
+never waits: a record that finds no room is dropped and counted, and the next one that fits carries the mark of a gap.
 
     | written | read | records | dropped | … |  record  record  record ···
 """
@@ -18,7 +18,7 @@ from runtime.diagnostics.memory import open_shared, release_shared, remove_share
 Words = npt.NDArray[np.int64]
 RING_BYTES = 16 << 20  # some 20 s of a machine in motion
 _HEAD = 64  # bytes
-_WRITTEN, _READ, _RECORDS, _DROPPED = 0, 1, 2, 3
+_WRITTEN, _READ, _RECORDS, _DROPPED, _KEYFRAME = 0, 1, 2, 3, 4
 
 
 class RecorderRing:
@@ -57,7 +57,18 @@ class RecorderRing:
         counters[_WRITTEN] = written + count
         return True
 
+    def take_wish(self) -> bool:
+        """Whether the reader has asked for a keyframe since the last call."""
+        if not self._counters[_KEYFRAME]:
+            return False
+        self._counters[_KEYFRAME] = 0
+        return True
+
     # ------------------------------------------------------------------ the reader's side
+
+    def want_keyframe(self) -> None:
+        """Ask the cycle for a keyframe."""
+        self._counters[_KEYFRAME] = 1
 
     def take(self, most: int = 1 << 17) -> Words:
         """Whole records that have come, oldest first, at least one if there is one and hardly more than `most` words; a copy."""

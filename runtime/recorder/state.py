@@ -1,1 +1,6 @@
-def restore(root, words): raise NotImplementedError
+from typing import Any
+
+
+def restore(root: Any, words: Any) -> None:
+    raise NotImplementedError
+    raise NotImplementedError

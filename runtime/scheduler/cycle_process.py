@@ -14,6 +14,7 @@ import signal
 import sys
 import time
 import traceback
+from dataclasses import asdict
 from pathlib import Path
 from types import FrameType
 
@@ -29,6 +30,8 @@ from runtime.fieldbus.bus import open_buses
 from runtime.fieldbus.several import drive_system
 from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
+from runtime.recorder.border import Border
+from runtime.recorder.ring import RecorderRing
 from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent, parent_gone
 from runtime.scheduler.clock import RealTimeClock
@@ -36,6 +39,7 @@ from runtime.scheduler.controller import Controller
 from runtime.scheduler.keeping import interruption_in, retained_of
 from runtime.scheduler.plc_link import PlcProcess
 from runtime.scheduler.realtime import prepare_realtime
+from runtime.scheduler.recorded import Seam, put_border, told_alarm
 from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
@@ -62,9 +66,17 @@ class CycleProcess:
             machine, self._buses, now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
         )
         plc = PlcProcess(wake_descriptor, self.memory.hli) if machine.plc.program else None
+        seam = Seam(self.drives, self.memory, self.queue, self.link, plc, time.time_ns)
+        self._ring: RecorderRing | None = None
+        self._border: Border | None = None
+        if machine.recorder.enabled:
+            self._ring = RecorderRing(names.recorder(name))
+            seam, self._border = put_border(machine, seam, self._ring, inline_plc=False)
         self.controller = Controller(
-            machine, self.drives, self.memory, self.events, self.queue, self.link, plc, wall_clock=time.time_ns
+            machine, seam.drives, seam.memory, self.events, seam.queue, seam.link, seam.plc, wall_clock=seam.wall_clock
         )
+        if self._border is not None:
+            self._border.settle()
         self._stop_reason = ""
         self._told_reason: ErrorEntry | None = None
         self._parent = os.getppid()
@@ -75,14 +87,22 @@ class CycleProcess:
         """Signal handler: the cycles go on until everything is at rest."""
         self._stop_reason = signal.Signals(number).name
 
+    def _alarm(self, problem: Problem, axis: int = -1) -> None:
+        """An alarm that this process raises between two cycles."""
+        if self._border is not None:
+            self._border.call("alarm", **told_alarm(problem, axis))
+        self.controller.alarm(problem, axis)
+
     def restore(self) -> None:
         """The alarm history of earlier runs, and where the axes stood."""
         retained, problems = self._store.load()
+        if self._border is not None:
+            self._border.call("restore", alarms=[asdict(alarm) for alarm in retained.alarms])
         self.controller.alarms.restore(retained.alarms)
         self.controller.channel.search.point = interruption_in(retained, len(self.machine.channels[0].axes))
         self._positions_before = dict(retained.positions)
         for problem in problems:
-            self.controller.alarm(problem)
+            self._alarm(problem)
 
     def _compare_positions(self) -> None:
         """An axis that stands elsewhere than at the end of the last run was moved, or its encoder has lost its place."""
@@ -91,7 +111,7 @@ class CycleProcess:
             actual = float(self.drives.image.actual_position[i])
             if axis.type is not AxisType.SPINDLE and before is not None and abs(actual - before) > _MOVED:
                 values = {"axis": axis.name, "before": before, "now": actual}
-                self.controller.alarm(Problem(alarms.AXIS_MOVED, values), i)
+                self._alarm(Problem(alarms.AXIS_MOVED, values), i)
 
     def run(self) -> int:
         """Boot the bus, then cycle until asked to stop; the exit code."""
@@ -99,17 +119,19 @@ class CycleProcess:
         self.drives.start()
         machine = self.machine
         for problem in prepare_realtime(machine.cycle.priority, machine.cycle.cpu):
-            self.controller.alarm(problem)
+            self._alarm(problem)
         clock = RealTimeClock(machine.cycle.period)
         self.memory.hli.head.running_r = True
         platform = self.memory.hli.platform
-        controller, statistics = self.controller, self.statistics
+        controller, statistics, border = self.controller, self.statistics, self._border
         give_up_at = 0.0
         while not controller.stopped:
             lateness = clock.wait()
             begin = clock.now_ns()
             now = begin * 1e-9
             try:
+                if border is not None:
+                    border.begin(now)
                 controller.cycle(now)
             except Exception:
                 return self._fail(clock)
@@ -124,6 +146,8 @@ class CycleProcess:
             if self._stop_reason and not give_up_at:
                 give_up_at = now + _STOP_LIMIT
                 self._tell_why_stopped()
+                if border is not None:
+                    border.call("stop")
                 controller.stop()
             if give_up_at and now > give_up_at:
                 break
@@ -146,7 +170,7 @@ class CycleProcess:
         entry = alarms.SERVICE_LOST if self._orphaned else alarms.STOP_ORDERED
         if entry is not self._told_reason:
             self._told_reason = entry
-            self.controller.alarm(Problem(entry, {"reason": self._stop_reason}))
+            self._alarm(Problem(entry, {"reason": self._stop_reason}))
 
     def _keep_the_cause(self) -> None:
         """Nobody is left to write the journal and to keep positions and alarms; called when the cycle is over."""
@@ -186,6 +210,8 @@ class CycleProcess:
         self.queue.close(unlink=True)
         self.link.close(unlink=True)
         self.statistics.close(unlink=clean)
+        if self._ring is not None:
+            self._ring.close()  # the service empties it, and removes it
         self.memory.close(keep=not clean)
 
 
@@ -210,7 +236,7 @@ def main() -> int:
         code = process.run()
     except TandemError as error:
         for problem in error.problems:
-            process.controller.alarm(problem)
+            process._alarm(problem)
         process.drives.stop()
         code = 1
     process.close(clean=code == 0)

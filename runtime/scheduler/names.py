@@ -15,3 +15,7 @@ def queue(name: str, channel: int) -> str:
 
 def link(name: str, channel: int) -> str:
     return f"{name}-preparation{channel}"
+
+
+def recorder(name: str) -> str:
+    return f"{name}-recorder"

@@ -9,6 +9,7 @@ from pathlib import Path
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.machine import Machine
+from runtime.diagnostics.errors import Problem
 from runtime.drives import DriveSystem
 from runtime.hli.memory import HliMemory
 from runtime.recorder.border import Border, BorderDrives, BorderPlc, Memories
@@ -55,10 +56,24 @@ class SimulationRecording:
     def drain(self) -> None:
         """Behind a cycle."""
         if self._ring.waiting > 1 << 20:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what has come."""
+        while self._ring.waiting:
             self._writer.add(self._ring.take())
 
     def close(self) -> None:
         """Write what has still come."""
-        while self._ring.waiting:
-            self._writer.add(self._ring.take())
+        self.flush()
         self._writer.close()
+
+
+def told_alarm(problem: Problem, axis: int) -> dict[str, object]:
+    """An alarm as a call in a recording."""
+    place = problem.place
+    values = {
+        name: value if isinstance(value, int | float | str) else str(value) for name, value in problem.values.items()
+    }
+    where = [place.file, place.line, place.column, place.text]
+    return {"id": problem.entry.id, "values": values, "place": where, "axis": axis}

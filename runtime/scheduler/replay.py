@@ -32,7 +32,7 @@ from runtime.diagnostics.events import EventRing
 from runtime.drives import DriveEvent, DriveImage
 from runtime.hli.layout import Platform
 from runtime.hli.memory import HliMemory
-from runtime.recorder.areas import Area, Element, apply_changes
+from runtime.recorder.areas import WHOLE_WORDS, Area, Element, apply_changes
 from runtime.recorder.border import RECORD_WORDS
 from runtime.recorder.file import RecordingError, RecordingFile
 from runtime.recorder.header import described_machine, image_words, processor, source_hash
@@ -45,6 +45,7 @@ from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Words = npt.NDArray[np.int64]
 _NOTHING: Words = np.zeros(0, dtype=np.int64)
+_EVENTS_TAKEN = 64  # cycles, so that the ring of events never fills
 _POLYNOMIAL = int(RecordKind.POLYNOMIAL)
 
 
@@ -177,7 +178,9 @@ class _Queue:
 class Replay:
     """`run` does it; `machine` and the description in the file may differ where a change is to be tried."""
 
-    def __init__(self, file: RecordingFile, machine: Machine | None = None, trace: Path | None = None) -> None:
+    def __init__(
+        self, file: RecordingFile, machine: Machine | None = None, *, trace: Path | None = None, samples: bool = False
+    ) -> None:
         self.file = file
         header = file.header
         if machine is None:
@@ -189,11 +192,13 @@ class Replay:
         self._header = header
         self._writer = TraceWriter(trace) if trace else None
         self.samples = SampleRecorder(machine.channels[0].axes)
+        self._sampled = samples or trace is not None
         self._wall_ns = 0
         self.difference: Difference | None = None
         self._record: CycleRecord | None = None
         self._woken = False
         self._cut_off = False
+        self._read = -1  # records of the queue that were read in the recording
         self._scratch: Words = np.zeros(1 << 17, dtype=np.int64)
 
     def _check(self, header: Mapping[str, Any]) -> None:
@@ -245,11 +250,10 @@ class Replay:
         )
         self.controller.channel.trace_blocks = self._writer is not None
         self._figures = np.zeros(4)
-        words = memoryview(self.image.words)
         self.hli = hli_area(machine, HliMemory.private().hli, self.memory.hli)
         self.link_area = link_area(PreparationLink(n_axes), self.link)
-        self.drives_area = Area(words, words, ())
-        self.figures_area = Area(memoryview(self._figures), memoryview(self._figures), ())
+        words, figures = self.image.words, self._figures.view(np.int64)
+        self.drives_area, self.figures_area = Area(words, words, WHOLE_WORDS), Area(figures, figures, WHOLE_WORDS)
         self.areas = (self.hli, self.link_area, self.drives_area, self.figures_area)
 
     # ------------------------------------------------------------------ running
@@ -295,6 +299,7 @@ class Replay:
             elif kind == Section.KEYFRAME_QUEUE:
                 self.queue.counters[:] = words
                 self._source.filled = int(words[1])
+                self._read = -1
             elif kind == Section.KEYFRAME_STATE:
                 restore(self.controller, words)
 
@@ -310,20 +315,16 @@ class Replay:
         self.controller.cycle(record.time)
         if not self._woken and record.section(Section.BEFORE_PLC) is not None and not self._cut_off:
             self._part("PLC", "woken", "yes", "no")
-        if self._writer is not None or self.events_full:
+        if self._sampled or record.cycle % _EVENTS_TAKEN == 0:
             self._trace(record)
-
-    @property
-    def events_full(self) -> bool:
-        """From time to time the events are taken, so that none is lost."""
-        return self.controller.cycle_number % 64 == 0
 
     def _trace(self, record: CycleRecord) -> None:
         taken = self.events.take()
-        if self._writer is None:
+        if not self._sampled:
             return
-        for event in taken:
-            self._writer.event(event)
+        if self._writer is not None:
+            for event in taken:
+                self._writer.event(event)
         channel = self.controller.channel
         if channel.active:
             path = channel.interpolator
@@ -413,8 +414,10 @@ class Replay:
         assert self._record is not None
         read = self._record.section(Section.QUEUE_READ)
         here = int(self.queue.counters[1])
-        if read is not None and int(read[0]) != here:
-            self._part("motion queue", "records read", str(int(read[0])), str(here))
+        if read is not None:
+            self._read = int(read[0])
+        if here != self._read and self._read >= 0 and not self._cut_off:
+            self._part("motion queue", "records read", str(self._read), str(here))
 
     def _compare(self, number: int, area: Area, kind: Section) -> None:
         assert self._record is not None
@@ -459,7 +462,8 @@ class Replay:
 
 def _values(changes: Words) -> dict[int, int]:
     """Word -> new value of words of changes."""
-    found, at = {}, 0
+    found: dict[int, int] = {}
+    at = 0
     while at < len(changes):
         word, count = int(changes[at]) >> 32, int(changes[at]) & 0xFFFFFFFF
         found |= {word + k: int(changes[at + 1 + k]) for k in range(count)}

@@ -15,6 +15,7 @@ from __future__ import annotations
 import fcntl
 import os
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,9 +27,14 @@ from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.drives import DriveImage
 from runtime.hli.errors import HliError
 from runtime.hli.memory import SHARED_MEMORY, HliMemory, refuse_living_owner
 from runtime.monitoring.endpoint import MachineCollector, MetricsServer, start_metrics_server
+from runtime.recorder.drain import Drain
+from runtime.recorder.header import make_header
+from runtime.recorder.ring import RecorderRing
+from runtime.recorder.store import FOLDER, Segments
 from runtime.scheduler import names
 from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.children import Child
@@ -68,6 +74,7 @@ class Supervisor:
         self.journal = journal
         self.memory: HliMemory | None = None
         self.on_event: Callable[[Event], None] | None = None
+        self._recorder_tells: deque[Problem] = deque(maxlen=64)  # of the recorder's thread, for the journal
         self._notifier = Notifier.from_environment(os.environ)
         state = state_directory(machine.state_directory, os.environ)
         self._store = RetainedStore(state)
@@ -78,6 +85,8 @@ class Supervisor:
         self._link: PreparationLink | None = None
         self._metrics: MetricsServer | None = None
         self._collector: MachineCollector | None = None
+        self._ring: RecorderRing | None = None
+        self._drain: Drain | None = None
         self._retain_at = 0.0
         self._retained: Retained | None = None
         self._cycle_before = -1
@@ -127,6 +136,7 @@ class Supervisor:
             self.drives.start()
         self.cycle.start()
         self._wait_for_cycle(self._attach)
+        self._start_recorder()
         self.preparation.start()
         if self.machine.plc.program:
             self.plc.start()
@@ -180,9 +190,31 @@ class Supervisor:
             self.statistics = self.statistics or CycleStatistics(names.statistics(name), create=False)
             n_axes = len(self.machine.channels[0].axes)
             self._link = self._link or PreparationLink(n_axes, names.link(name, 0), create=False)
+            if self.machine.recorder.enabled:
+                self._ring = self._ring or RecorderRing(names.recorder(name), create=False)
         except (FileNotFoundError, ValueError):
             return False
         return True
+
+    def _start_recorder(self) -> None:
+        """From here on the ring goes to the disk. What has no real drives' feedback yet: the controller is built with zeros."""
+        if self._ring is None:
+            return
+        settings, plc = self.machine.recorder, "process" if self.machine.plc.program else "none"
+        header = make_header(
+            self.machine, self.options.machine_file, DriveImage(len(self.machine.axes)), plc, real=True
+        )
+        folder = self._store.directory / FOLDER
+        segments = Segments(folder, int(time.time()), header, settings.size * 1_000_000, settings.minutes * 60.0)
+        self._drain = Drain(
+            self._ring,
+            segments,
+            self._recorder_tells.append,
+            period=self.machine.cycle.period,
+            keyframe_every=settings.keyframe_every,
+            kept=settings.saved,
+        )
+        self._drain.start()
 
     def _others_up(self) -> bool:
         """Preparation and PLC have loaded everything, or have failed to."""
@@ -195,7 +227,8 @@ class Supervisor:
         settings = self.machine.metrics
         if not settings.enabled or self.memory is None or self.statistics is None:
             return
-        self._collector = MachineCollector(self.memory.hli, self.statistics)
+        figures = self._drain.figures if self._drain is not None else None
+        self._collector = MachineCollector(self.memory.hli, self.statistics, figures)
         try:
             self._metrics = start_metrics_server(settings.host, settings.port, self._collector)
         except TandemError as error:  # the machine runs without being watched, and says so
@@ -245,10 +278,14 @@ class Supervisor:
         self.cycle.process.wait()
 
     def _drain_events(self) -> None:
+        while self._recorder_tells:
+            write_problem(self.journal, self._recorder_tells.popleft())
         if self._events is None:
             return
         for event in self._events.take():
             error = event.kind is EventKind.ERROR
+            if error and event.value >= Severity.ERROR and self._drain is not None:
+                self._drain.alarm(event.number)
             write_event(self.journal, event, self._axis_names, Severity(int(event.value)) if error else Severity.ERROR)
             if self._collector is not None:
                 self._collector.count(event)
@@ -337,9 +374,14 @@ class Supervisor:
             child.terminate(2.0)
         if self._metrics is not None:
             self._metrics.close()
+        if self._drain is not None:
+            self._drain.close()
+            self._drain_events()
         for resource in (self._events, self.statistics, self._link):
             if resource is not None:
                 resource.close()
+        if self._ring is not None:
+            self._ring.close(unlink=True)
         if self.memory is not None:
             self._remove_leftovers(self.memory)
             self.memory.close()

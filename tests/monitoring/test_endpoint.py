@@ -17,6 +17,7 @@ from runtime.drives import DriveState
 from runtime.hli.layout import Hli, Mode, State, StopCondition
 from runtime.monitoring.endpoint import MachineCollector, MetricsError, MetricsServer, start_metrics_server
 from runtime.monitoring.metrics import METRICS, Kind
+from runtime.recorder.drain import RecorderFigures
 from runtime.scheduler.statistics import CycleStatistics
 
 Scrape = dict[tuple[str, frozenset[tuple[str, str]]], float]
@@ -82,7 +83,9 @@ def statistics() -> CycleStatistics:
 
 @pytest.fixture
 def collector(hli: Hli, statistics: CycleStatistics) -> MachineCollector:
-    return MachineCollector(hli, statistics)
+    return MachineCollector(
+        hli, statistics, RecorderFigures(bytes=4096, records=9, dropped=2, lost=1, saved=3, writing=True)
+    )
 
 
 @pytest.fixture
@@ -124,6 +127,12 @@ def test_the_figures_arrive_in_base_units(server: MetricsServer) -> None:
     assert value(found, "tandem_can_frames_total", direction="sent") == 1000
     assert value(found, "tandem_can_frames_total", direction="received") == 2000
     assert value(found, "tandem_can_emcy_total") == 4
+    assert value(found, "tandem_recorder_bytes") == 4096
+    assert value(found, "tandem_recorder_records_total") == 9
+    assert value(found, "tandem_recorder_dropped_total", at="ring") == 2
+    assert value(found, "tandem_recorder_dropped_total", at="disk") == 1
+    assert value(found, "tandem_recorder_saved_total") == 3
+    assert value(found, "tandem_recorder_writing") == 1
     assert value(found, "tandem_axis_position_meters", axis="X") == pytest.approx(0.1234567)
     assert value(found, "tandem_axis_following_error_meters", axis="X") == pytest.approx(-5e-6)
     assert value(found, "tandem_axis_velocity_meters_per_second", axis="X") == pytest.approx(0.4)

@@ -1,0 +1,78 @@
+"""What the flight recorder costs the cycle, and how fast a recording is replayed.
+
+The demo machine on its virtual bus, with and without the border, in turns; the difference of the medians is the cost. The
+replay is of what was recorded meanwhile.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from bench import programs
+from bench.figure import Figure
+from bench.stopwatch import as_in_the_cycle
+from runtime.config.loader import load_machine
+from runtime.kernels import warm_up
+from runtime.recorder.file import RecordingFile
+from runtime.scheduler.replay import Replay
+from runtime.scheduler.simulation import START_LIMIT, Simulation
+
+WINDOW = 1000  # cycles
+WINDOWS = 8
+SHARE = 5.0  # % of the cycle
+SPEED = 5.0  # times real time
+
+
+def measure() -> list[Figure]:
+    """Cost per cycle in µs and in % of the period; bytes per cycle; speed of the replay."""
+    warm_up()
+    machine = load_machine(None)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        plate = programs.write(folder, "plate.nc", programs.plate())
+        recording = folder / "recording"
+        plain, recorded = Simulation(machine), Simulation(machine, record=recording)
+        with as_in_the_cycle():
+            for simulation in (plain, recorded):
+                simulation.run_until(simulation.ready, START_LIMIT)
+                simulation.start(plate)
+                _work(simulation, 2000)
+            pairs = [(_work(plain, WINDOW), _work(recorded, WINDOW)) for _ in range(WINDOWS)]
+        plain.close()
+        recorded.close()
+        cycles = recorded.controller.cycle_number
+        size = recording.stat().st_size
+        begin = time.process_time()
+        with RecordingFile(recording) as file:
+            result = Replay(file, machine).run()
+        took = time.process_time() - begin
+        assert result.same, str(result.difference)
+        assert result.cycles == cycles
+    costs = [float(np.median(with_it) - np.median(without)) / 1000.0 for without, with_it in pairs]
+    period = machine.cycle.period * 1e6
+    best = min(costs)
+    return [
+        Figure("cost of recording, median cycle", best, "µs"),
+        Figure("the same, share of the cycle", 100.0 * best / period, "%", SHARE),
+        Figure("bytes per cycle on the disk", size / cycles, "B"),
+        Figure("replay, processor time", result.seconds / took, "× real time", SPEED, "higher"),
+    ]
+
+
+def _work(simulation: Simulation, count: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """The time of `Border.begin` and `Controller.cycle`, ns, cycle by cycle."""
+    clock = time.perf_counter_ns
+    times = np.empty(count, dtype=np.int64)
+    border = simulation.recording.border if simulation.recording else None
+    for k in range(count):
+        simulation.before_cycle()
+        begin = clock()
+        simulation.controller.cycle(simulation.time)
+        times[k] = clock() - begin
+        simulation.after_cycle()
+    assert border is None or border.cycle
+    return times
