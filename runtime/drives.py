@@ -81,7 +81,8 @@ class BusFigures:
 class DriveImage:
     """What is exchanged with the drives in every cycle, for `n` axes in the order of the machine description.
 
-    All arrays lie in one memory, `words`. What only some drives exchange (torque, inputs, probes: `process_data` of the machine description) stays 0 for others.
+    All arrays lie in one memory, `words`; they are filled, never replaced.
+    What only some drives exchange (torque, inputs, probes: `process_data` of the machine description) stays 0 for others.
     """
 
     SET_POINTS: Final = (
@@ -145,8 +146,10 @@ class DriveImage:
         self.words, self.places = self._pack()
 
     def _pack(self) -> tuple[npt.NDArray[np.int64], dict[str, int]]:
-        """All arrays in one memory of words (8 bytes), each from a whole word on, and where each begins: whoever looks for what has
-        changed compares that. So the arrays are filled, never replaced."""
+        """All arrays in one memory of words (8 bytes), each from a whole word on, and where each begins.
+
+        Whoever looks for what has changed compares that.
+        """
         names = (*self.SET_POINTS, *self.FEEDBACK)
         sizes = [-(-getattr(self, name).nbytes // 8) for name in names]
         words = np.zeros(sum(sizes), dtype=np.int64)
