@@ -171,6 +171,8 @@ class Border:
         image, figures, out = self._image, self._figures, self.out
         figures[0], figures[1] = image.bus_load, image.emcy_count
         figures[2], figures[3] = image.frames_sent, image.frames_received
+        if image.buses_changed:
+            self._section(Section.BUSES, text_words([[bus.channel, bus.load, bus.gone] for bus in image.buses]))
         if image.events:
             self._section(Section.DRIVE_EVENTS, text_words([list(event) for event in image.events]))
         at = self.figures.take_in(_FIGURES, out, self._at)

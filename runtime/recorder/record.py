@@ -41,6 +41,7 @@ class Section(IntEnum):
     QUEUE_TEXTS = 12  # first | texts
     QUEUE_LIMITS = 13  # first | sets
     QUEUE_RECORDS = 14  # first | records, each with its coefficients if it is a polynomial
+    BUSES = 16  # load and state of each bus, JSON
     AFTER_PLC = 15  # changes of the HLI by a PLC in the same process
     BEFORE_PLC = 30  # changes of the HLI
     HLI_OUT = 31

@@ -65,13 +65,18 @@ class CycleProcess:
         self.drives: DriveSystem = drive_system(
             machine, self._buses, now=time.monotonic, idle=lambda: time.sleep(_BOOT_PAUSE)
         )
-        plc = PlcProcess(wake_descriptor, self.memory.hli) if machine.plc.program else None
+
+        def partner(memory: HliMemory) -> PlcProcess:
+            return PlcProcess(wake_descriptor, memory.hli)
+
+        with_plc = bool(machine.plc.program)
+        plc = partner(self.memory) if with_plc else None
         seam = Seam(self.drives, self.memory, self.queue, self.link, plc, time.time_ns)
         self._ring: RecorderRing | None = None
         self._border: Border | None = None
         if machine.recorder.enabled:
             self._ring = RecorderRing(names.recorder(name))
-            seam, self._border = put_border(machine, seam, self._ring, inline_plc=False)
+            seam, self._border = put_border(machine, seam, self._ring, partner if with_plc else None)
         self.controller = Controller(
             machine, seam.drives, seam.memory, self.events, seam.queue, seam.link, seam.plc, wall_clock=seam.wall_clock
         )

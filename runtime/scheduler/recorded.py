@@ -31,12 +31,22 @@ class Seam:
     wall_clock: Callable[[], int]
 
 
-def put_border(machine: Machine, outside: Seam, ring: RecorderRing, *, inline_plc: bool) -> tuple[Seam, Border]:
-    """The seam for a controller that is to be recorded. `settle` of the border follows when the controller is built."""
+def put_border(
+    machine: Machine,
+    outside: Seam,
+    ring: RecorderRing,
+    partner: Callable[[HliMemory], PlcPartner] | None = None,
+) -> tuple[Seam, Border]:
+    """The seam for a controller that is to be recorded. `settle` of the border follows when the controller is built.
+
+    `partner` makes the one that wakes a PLC in another process, on the memory of the controller, since it is a part of the
+    cycle; without it the PLC of `outside` does its cycle in this process.
+    """
     memories = Memories(outside.memory, outside.link, outside.queue)
     border = Border(machine, memories, outside.drives.image, ring, outside.wall_clock)
     drives = BorderDrives(outside.drives, border)
-    plc = BorderPlc(outside.plc, border, inline=inline_plc) if outside.plc is not None else None
+    inner = outside.plc if partner is None else partner(memories.hli)
+    plc = BorderPlc(inner, border, inline=partner is None) if inner is not None else None
     inside = Seam(drives, memories.hli, memories.queue, memories.link, plc, lambda: border.wall_ns)
     return inside, border
 
@@ -51,7 +61,7 @@ class SimulationRecording:
         header = make_header(machine, machine_file, outside.drives.image, plc, real=real_drives)
         self._ring = RecorderRing(size=4 << 20)
         self._writer = RecordingWriter(path, header)
-        self.seam, self.border = put_border(machine, outside, self._ring, inline_plc=True)
+        self.seam, self.border = put_border(machine, outside, self._ring)
 
     def drain(self) -> None:
         """Behind a cycle."""

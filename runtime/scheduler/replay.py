@@ -29,7 +29,7 @@ from runtime.diagnostics.catalogue import CATALOGUE
 from runtime.diagnostics.catalogue import recorder as errors
 from runtime.diagnostics.errors import Place, Problem
 from runtime.diagnostics.events import EventRing
-from runtime.drives import DriveEvent, DriveImage
+from runtime.drives import BusFigures, DriveEvent, DriveImage
 from runtime.hli.layout import Platform
 from runtime.hli.memory import HliMemory
 from runtime.recorder.areas import WHOLE_WORDS, Area, Element, apply_changes
@@ -372,6 +372,9 @@ class Replay:
                 apply_changes(words, self.hli.own, self.hli.agreed)
             elif kind == Section.LINK:
                 apply_changes(words, self.link_area.own, self.link_area.agreed)
+            elif kind == Section.BUSES:
+                image.buses = [_bus(*told) for told in value_of(words)]
+                image.buses_changed = True
             elif kind == Section.DRIVE_EVENTS:
                 image.events.extend(DriveEvent(*event) for event in value_of(words))
             elif Section.QUEUE <= kind <= Section.QUEUE_LIMITS:
@@ -458,6 +461,12 @@ class Replay:
         if self.difference is None and self._record is not None:
             record = self._record
             self.difference = Difference(record.cycle, record.time, area, element, recorded, replayed)
+
+
+def _bus(channel: str, load: float, gone: bool) -> BusFigures:
+    figures = BusFigures(channel)
+    figures.load, figures.gone = load, gone
+    return figures
 
 
 def _values(changes: Words) -> dict[int, int]:
