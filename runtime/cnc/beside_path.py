@@ -42,7 +42,7 @@ _SMALL = 1e-6  # mm, degrees: what a position may lie beyond a limit by rounding
 class AxisInputs(Protocol):
     """What is commanded to the path axes, in their order."""
 
-    override: float
+    alone_override: float
     feed_hold: bool
     axis_holds: list[bool]
     blocked: list[int]
@@ -253,7 +253,7 @@ class BesidePath:
                 )
                 hand.step(self._hand(hand, inputs, k, hold), least, greatest)
             else:
-                problem = self._step_homing(k, homing, inputs.override, hold, path, actual) or problem
+                problem = self._step_homing(k, homing, inputs.alone_override, hold, path, actual) or problem
             self.offset[k] = hand.offset
         return self._leaves(path) or problem
 
@@ -261,8 +261,8 @@ class BesidePath:
         wheel = hand.mode is ManualMode.HANDWHEEL
         commands = self.commands
         if commands is None or not hand.released:
-            return HandInputs(0, 0, inputs.override, hold, inputs.blocked[k])
-        override = inputs.override
+            return HandInputs(0, 0, inputs.alone_override, hold, inputs.blocked[k])
+        override = inputs.alone_override
         if wheel and not self._parameters.override_v_handwheel:
             override = 1.0
         return HandInputs(

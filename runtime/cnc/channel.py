@@ -114,6 +114,9 @@ class ChannelInputs:
     """What the operator and the PLC want from the channel in this cycle."""
 
     override: float = 1.0
+    rapid_override: float = 1.0  # of rapid moves
+    alone_override: float = 1.0  # of axes that are homed or moved by hand
+    external_feed: float = -1.0  # mm/s, in place of the programmed feed; negative: there is none
     time_override: float = 1.0  # scales the time of the path, on top of the override
     feed_hold: bool = False
     axis_feed_hold: bool = False  # of an axis that takes part
@@ -372,13 +375,26 @@ class Channel:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        override = 1.0 if self._on(self._no_override) else inputs.override * inputs.time_override
-        if override == 0.0:
+        if self._on(self._no_override):
+            override = rapid_override = 1.0
+        else:
+            override, rapid_override = (
+                inputs.override * inputs.time_override,
+                inputs.rapid_override * inputs.time_override,
+            )
+        stands = override == 0.0 or inputs.external_feed == 0.0
+        if stands or rapid_override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         single = inputs.single_block or before.stop_at_block_ends
-        path.step(override=override, feed_hold=held, single_block=single)
+        path.step(
+            override=override,
+            rapid_override=rapid_override,
+            external_feed=inputs.external_feed,
+            feed_hold=held,
+            single_block=single,
+        )
         life = self.actions.life
         if life.wanted and not again:
             life.moves(path.path_position, self.period, self._on(self._rapid))
@@ -396,7 +412,7 @@ class Channel:
             backward.follow()
         self.search.follow(path.path_position, path.line, path.n)
         if not again:
-            self.functions.look_ahead(held=held or override == 0.0)
+            self.functions.look_ahead(held=held or stands)
             if life.wanted:
                 life.moved(path.path_position)
             if self.trace_blocks:

@@ -164,6 +164,7 @@ RECORD = np.dtype(
         ("path_a", "f8"),
         ("path_d", "f8"),
         ("path_j", "f8"),
+        ("external", "f8"),  # weight of a feed that the PLC commands, 0: it does not act here
         ("f_word", "f8"),  # the feed as programmed, per s, where `feed` is less than that; else 0
         ("unwatched", "i8"),
         ("brake_late", "i8"),  # 1: a lower feed than that of the element before is reached behind the border (G901)

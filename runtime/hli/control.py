@@ -29,7 +29,7 @@ from runtime.hli.layout import (
 )
 from runtime.hli.memory import get_text, put_text
 from runtime.hli.modes import Wish
-from runtime.hli.units import LENGTH
+from runtime.hli.units import LENGTH, SPEED
 
 FULL_OVERRIDE = 1000  # 0.1 %
 GREATEST_OVERRIDE = 2000  # 0.1 %
@@ -183,6 +183,8 @@ class ChannelCommands:
         self.search = SearchOrders(control, operator)
         self.feed_hold = False
         self.override = 1.0  # share of the programmed feed
+        self.rapid_override = 1.0
+        self.external_feed = -1.0  # mm/s, in place of the programmed feed; negative: there is none
         self.time_override = 1.0
         self.single_block = False
         self.optional_stop = False
@@ -215,6 +217,12 @@ class ChannelCommands:
             override = FULL_OVERRIDE
         control.override.state_r = override
         self.override = override / FULL_OVERRIDE
+        rapid = min(sample_uns32(control.rapid_override, present, FULL_OVERRIDE), self._max_override)
+        if not sample_bool(control.rapid_override_valid, present, True):
+            rapid = FULL_OVERRIDE
+        control.rapid_override.state_r = rapid
+        self.rapid_override = rapid / FULL_OVERRIDE
+        self.external_feed = self._external_feed(control, present)
         time_override = min(sample_uns32(control.time_override, present, FULL_OVERRIDE), GREATEST_OVERRIDE)
         if not sample_bool(control.time_override_valid, present, True):
             time_override = FULL_OVERRIDE
@@ -235,6 +243,14 @@ class ChannelCommands:
         self.simulate_motion = sample_bool(control.simulate_motion, present, bool(operator.simulate_motion_w))
         self.stop_level = sample_uns32(control.stop_level, present, 0)
         self.simulate_mask = sample_uns32(control.simulate_motion_mask, present, 0) & 2**63 - 1
+
+    def _external_feed(self, control: ChannelControl, present: bool) -> float:
+        """A feed of the PLC in mm/s, -1 for none. The path does not go back: a negative one holds it."""
+        valid = sample_bool(control.ext_command_speed_valid, present, False)
+        unit = control.ext_command_speed
+        speed = int(unit.command_w) if valid and unit.enable_w else 0
+        unit.state_r = max(speed, 0)
+        return max(speed, 0) * SPEED if valid and unit.enable_w else -1.0
 
 
 class AxisCommands:

@@ -249,7 +249,7 @@ class Uns64Unit(c.Structure):
 
 
 class Sgn32Unit(c.Structure):
-    """Control unit without usage check, SGN32; `state_r` tells what is in force, in a unit of its own."""
+    """Control unit without usage check, SGN32; `state_r` tells what is in force."""
 
     _fields_ = [
         ("request_r", c.c_int32),
@@ -750,6 +750,10 @@ class ChannelControl(c.Structure):
         ("feedhold", BoolUnit),
         ("override", Uns32Unit),  # 0.1 %
         ("override_valid", BoolUnit),
+        ("rapid_override", Uns32Unit),  # 0.1 %, of rapid moves where P-CHAN-00181 says so
+        ("rapid_override_valid", BoolUnit),
+        ("ext_command_speed", Sgn32Unit),  # 1 µm/s, in place of the programmed feed; below 0 the path stands
+        ("ext_command_speed_valid", BoolUnit),  # it counts while this is TRUE
         ("time_override", Uns32Unit),  # 0.1 %, scales the time of the path and, where configured, that of dwells
         ("time_override_valid", BoolUnit),
         ("single_block", BoolUnit),

@@ -47,6 +47,8 @@ FACTORS: dict[str, float] = {
     "jog_geschw_r": SPEED,
     "hold_time": MICROSECOND,
     "override": PERCENT,
+    "rapid_override": PERCENT,
+    "ext_command_speed": SPEED,
     "override_w": PERCENT,
     "active_override_r": PERCENT,
     "covered_distance_r": PERCENT,

@@ -28,7 +28,10 @@ class Orders:
         n = len(self._path_commands)
         self.inputs = ChannelInputs(axis_holds=[False] * n, blocked=[0] * n, limits=[None] * n)
         self.manual = ManualCommands(hli.channels[0], hli.operator[0])
-        self._override = SampledOverride(described.parameters.override_delay * 1e-6, machine.cycle.period)
+        delay = described.parameters.override_delay * 1e-6
+        self._override = SampledOverride(delay, machine.cycle.period)
+        self._rapid_override = SampledOverride(delay, machine.cycle.period)
+        self._rapid_mode = described.parameters.g00_override_mode
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.lag_monitored: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.park: npt.NDArray[np.bool_] = np.zeros(len(machine.axes), dtype=np.bool_)  # wanted
@@ -59,6 +62,8 @@ class Orders:
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs
         inputs.override = self._override.take(commands.override)
+        self._sample_rapid(commands.rapid_override)
+        inputs.external_feed = commands.external_feed
         inputs.time_override = commands.time_override
         inputs.feed_hold = commands.feed_hold or self._hold
         inputs.single_block = commands.single_block
@@ -68,6 +73,17 @@ class Orders:
         inputs.delete_distance = commands.delete_distance
         inputs.backward, inputs.stop_level = commands.backward, commands.stop_level
         inputs.simulate_motion, inputs.simulate_mask = commands.simulate_motion, commands.simulate_mask
+
+    def _sample_rapid(self, ordered: float) -> None:
+        """The override of rapid moves, and of what moves beside the path (P-CHAN-00181)."""
+        inputs, mode = self.inputs, self._rapid_mode
+        inputs.rapid_override = inputs.alone_override = inputs.override
+        if mode == "NOT_USED":
+            return
+        rapid = self._rapid_override.take(ordered)
+        inputs.rapid_override = min(rapid, inputs.override) if mode == "MINIMUM_OF_G0_G1" else rapid
+        if mode == "ACTIVE_EXTENDED":
+            inputs.alone_override = rapid
 
     def _sample_path_axes(self) -> None:
         inputs = self.inputs

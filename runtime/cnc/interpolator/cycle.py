@@ -155,7 +155,7 @@ def choose(
     records: Records,
     written: int,
     period: float,
-    override: float,
+    orders: Floats,
     hold: bool,
     single_block: bool,
     f: Floats,
@@ -185,7 +185,7 @@ def choose(
         kind, zone, state = whole[mode, 0], whole[mode, 1], whole[mode, 2]
         d, x, A_to, J_to, B = real[mode, 0], real[mode, 1], real[mode, 2], real[mode, 3], real[mode, 4]
         count = look_ahead(
-            records, written, i[CUR], f[S_IN], f[V], f[A], period, override, hold, i[OPENED], single_block, f[PLANNED],
+            records, written, i[CUR], f[S_IN], f[V], f[A], period, orders, hold, i[OPENED], single_block, f[PLANNED],
             mode == 1, places, kind, d, x, A_to, J_to, B, zone, up, borders,
         )  # fmt: skip
         if count == 0:
@@ -238,7 +238,7 @@ def cycle(
     counters: Counters,
     n: int,
     period: float,
-    override: float,
+    orders: Floats,
     hold: bool,
     single_block: bool,
     f: Floats,
@@ -260,7 +260,7 @@ def cycle(
     walk(records, written, n, single_block, f, i, q)
     v_before = f[V]
     accepted, known = choose(
-        records, written, period, override, hold or i[ABORTING] == 1, single_block, f, i, real, whole, plans
+        records, written, period, orders, hold or i[ABORTING] == 1, single_block, f, i, real, whole, plans
     )
     if known:
         s, _, _ = state_at(plans[KEPT], i[ROWS_KEPT], f[PLAN_TIME])
@@ -325,7 +325,7 @@ def _warm_up() -> None:
     last_step(np.frombuffer(buffer, dtype=RECORD), 0, 0)
     cycle(
         np.frombuffer(buffer, dtype=RECORD), np.zeros((1, POLYNOMIAL_ROWS, WIDTH)),
-        np.zeros(8, dtype=np.int64), 1, 0.001, 1.0, False, False,
+        np.zeros(8, dtype=np.int64), 1, 0.001, np.array([1.0, 1.0, -1.0]), False, False,
         np.zeros(FLOAT_STATE), np.zeros(INT_STATE, dtype=np.int64), np.zeros(MAX_AXES), np.zeros(MAX_AXES),
         np.zeros(PASSED, dtype=np.int64), real, whole, plans,
     )  # fmt: skip

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import cycle as c
 from runtime.cnc.interpolator import prediction
+from runtime.cnc.interpolator.lookahead import EXTERNAL_FEED, OVERRIDE, RAPID_OVERRIDE
 from runtime.cnc.motion_queue import MAX_AXES, MotionQueue
 
 Floats = npt.NDArray[np.float64]
@@ -63,7 +64,8 @@ class Interpolator:
         self._passed = np.zeros(c.PASSED, dtype=np.int64)
         self._real, self._whole, self._plans = c.scratch()
         self._prediction = prediction.scratch()
-        self._driven = (1.0, False)  # override and single block of the last step
+        self._orders = np.array([1.0, 1.0, -1.0])  # of the last step: OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED
+        self._single_block = False
         self._way = (0.0, 1.0)  # where `path_position` counts from, and in which sense
         self.restart(position)
 
@@ -86,16 +88,31 @@ class Interpolator:
         self._i[c.ROWS_KEPT] = 1
         self._shown = (-1, 0, -1, -1)
 
-    def step(self, *, override: float, feed_hold: bool, single_block: bool) -> None:
-        """One cycle. `override` 1.0 is 100 %, taken within 0…200 %."""
-        self._driven = (min(max(float(override), 0.0), GREATEST_OVERRIDE), bool(single_block))
+    def step(
+        self,
+        *,
+        override: float,
+        feed_hold: bool,
+        single_block: bool,
+        rapid_override: float | None = None,
+        external_feed: float = -1.0,
+    ) -> None:
+        """One cycle. `override` 1.0 is 100 %, taken within 0…200 %; rapid moves have their own if it is given.
+
+        `external_feed`, mm/s, takes the place of the programmed feed; negative: there is none.
+        """
+        orders = self._orders
+        orders[OVERRIDE] = min(max(override, 0.0), GREATEST_OVERRIDE)
+        orders[RAPID_OVERRIDE] = orders[OVERRIDE] if rapid_override is None else max(rapid_override, 0.0)
+        orders[EXTERNAL_FEED] = external_feed
+        self._single_block = bool(single_block)
         c.cycle(
             self.queue.records,
             self.queue.polynomials,
             self.queue.counters,
             self._n,
             self.period,
-            min(max(float(override), 0.0), GREATEST_OVERRIDE),
+            orders,
             bool(feed_hold),
             bool(single_block),
             self._f,
@@ -176,11 +193,10 @@ class Interpolator:
         plan, rows = self._plans[c.KEPT], int(i[c.ROWS_KEPT])
         if way <= 0.0:
             return float(prediction.time_on_plan(plan, rows, f[c.PLAN_TIME], way)) if way < 0.0 else 0.0
-        override, single_block = self._driven
         return float(
             prediction.time_until(
-                self.queue.records, self.queue.written, i[c.CUR], f[c.S_IN], f[c.V], way, before, at_most, override,
-                i[c.OPENED], single_block, i[c.BLOCKS_RELEASED], plan, rows, f[c.PLAN_TIME], f[c.PLANNED],
+                self.queue.records, self.queue.written, i[c.CUR], f[c.S_IN], f[c.V], way, before, at_most, self._orders,
+                i[c.OPENED], self._single_block, i[c.BLOCKS_RELEASED], plan, rows, f[c.PLAN_TIME], f[c.PLANNED],
                 self._prediction,
             )
         )  # fmt: skip

@@ -55,15 +55,26 @@ ZONES = 32  # borders seen in a cycle at most
 SHARP = 0.8  # limits that fall below this share of those before begin a zone
 MARGIN = 16.0  # cycles of travel that the look-ahead sees beyond the braking distance
 
+# orders of operator and PLC: shares, and mm/s of an external feed, negative: none
+OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED = 0, 1, 2
+ORDERS = 3
+
 LINE, ARC, POLYNOMIAL, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4, 5  # motion up to POLYNOMIAL
 
 
 @kernel
-def wanted_speed(rapid: int, feed: float, v_limit: float, override: float) -> float:
-    """Path velocity wanted on an element: the override scales feed within the limits, and rapid up to 100 %."""
-    if rapid == 1:
-        return v_limit * min(override, 1.0)
-    return min(feed * override, v_limit)
+def wanted_speed(rapid: int, feed: float, external: float, v_limit: float, orders: Floats) -> float:
+    """Path velocity wanted on an element: the override scales feed within the limits, and rapid up to 100 %.
+
+    `orders` (ORDERS,) are those of the operator; a feed of the PLC takes the place of the programmed one, `external` of it.
+    """
+    share: float = orders[OVERRIDE]
+    if orders[EXTERNAL_FEED] >= 0.0 and external > 0.0:
+        feed = orders[EXTERNAL_FEED] * external
+    elif rapid == 1:
+        share = orders[RAPID_OVERRIDE]
+        return v_limit * min(share, 1.0)
+    return min(feed * share, v_limit)
 
 
 # places
@@ -102,7 +113,7 @@ def collect(
     v: float,
     a: float,
     period: float,
-    override: float,
+    orders: Floats,
     hold: bool,
     opened: int,
     single_block: bool,
@@ -137,7 +148,7 @@ def collect(
         r = records[e % size]
         what = r["kind"]
         if what <= POLYNOMIAL:
-            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
+            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["external"], r["v_limit"], orders)
             if not moving:
                 moving = True
                 kind[0], d[0], x[0], zone[0] = NOW, 0.0, wanted, 0
@@ -341,7 +352,7 @@ def look_ahead(
     v: float,
     a: float,
     period: float,
-    override: float,
+    orders: Floats,
     hold: bool,
     opened: int,
     single_block: bool,
@@ -371,7 +382,7 @@ def look_ahead(
     old = places[HORIZON]
     last = min(written, cur + ELEMENTS)
     count = collect(
-        records, written, last, cur, s_in, v, a, period, override, hold, opened, single_block, planned, zones,
+        records, written, last, cur, s_in, v, a, period, orders, hold, opened, single_block, planned, zones,
         places, kind, d, x, A, J, B, zone, up, borders,
     )  # fmt: skip
     if count == 0:
@@ -382,7 +393,7 @@ def look_ahead(
     sharply = places[SHARPLY]
     if not safe and cur < old < places[SEEN]:
         again = collect(
-            records, written, old, cur, s_in, v, a, period, override, hold, opened, single_block, planned, zones,
+            records, written, old, cur, s_in, v, a, period, orders, hold, opened, single_block, planned, zones,
             places, kind, d, x, A, J, B, zone, up, borders,
         )  # fmt: skip
         if again > 0:

@@ -87,7 +87,7 @@ def time_until(
     way: float,
     before: int,
     at_most: float,
-    override: float,
+    orders: Floats,
     opened: int,
     single_block: bool,
     released: int,
@@ -117,7 +117,7 @@ def time_until(
         closed = r["kind"] == GATE and e > opened
         if r["length"] > 0.0:
             length = r["length"] - s_in if e == cur else r["length"]
-            cap = wanted_speed(r["rapid"], r["feed"], r["v_limit"], override)
+            cap = wanted_speed(r["rapid"], r["feed"], r["external"], r["v_limit"], orders)
             if cap <= 0.0:
                 return np.inf
             new = count == 0 or (at == count) or abs(cap - z[CAP, count - 1]) > 1e-9 * cap or r["v_entry"] < cap
@@ -179,7 +179,7 @@ def scratch() -> Floats:
 @warms("prediction")
 def _warm_up() -> None:
     time_until(
-        np.zeros(1, dtype=RECORD), 0, 0, 0.0, 0.0, 1.0, -1, np.inf, 1.0, -1, False, -1, np.zeros((2, COLUMNS)), 1, 0.0,
-        0.0, scratch(),
+        np.zeros(1, dtype=RECORD), 0, 0, 0.0, 0.0, 1.0, -1, np.inf, np.array([1.0, 1.0, -1.0]), -1, False, -1,
+        np.zeros((2, COLUMNS)), 1, 0.0, 0.0, scratch(),
     )  # fmt: skip
     time_on_plan(np.zeros((2, COLUMNS)), 1, 0.0, -1.0)

@@ -48,12 +48,15 @@ class WeightTable:
 @dataclass(frozen=True, slots=True)
 class ChannelDynamics:
     """What channel parameters say of the dynamics: both tables, whether a limit of the path acceleration acts on circles too
-    (P-CHAN-00350), and whether the override scales what the axes leave of a feed, not the feed itself (P-CHAN-00066)."""
+    (P-CHAN-00350), whether the override scales what the axes leave of a feed, not the feed itself (P-CHAN-00066), whether a
+    feed that the PLC commands acts on rapid moves (P-CHAN-00102), and whether #FF weights it (P-CHAN-00422)."""
 
     by_length: WeightTable = WeightTable()
     by_radius: WeightTable = WeightTable()
     limit_on_circles: bool = False
     override_of_limited: bool = False
+    external_on_rapid: bool = False
+    feed_factor_counts: bool = True
 
 
 def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
@@ -64,4 +67,6 @@ def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
         WeightTable.of(parameters.curve_dynamic_weighting),
         parameters.vector.cir_radial_acc_limit,
         parameters.override_weight_prog_feed != 1,
+        parameters.plc_command_rapid_feed,
+        not parameters.disable_feed_factor,
     )

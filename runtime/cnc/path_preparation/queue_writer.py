@@ -63,6 +63,7 @@ from runtime.cnc.blocks import (
     UserError,
     Wait,
 )
+from runtime.cnc.dynamic_settings import USUAL, DynamicSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomials import MAP
 from runtime.cnc.job_records import write_job, write_wait
@@ -180,6 +181,9 @@ class QueueWriter:
         self._axes = limits.n
         self._limits = DynamicLimits(limits, period, weights)
         self._override_of_limited = weights is not None and weights.override_of_limited
+        self._feed_factor_counts = weights is None or weights.feed_factor_counts
+        self._external_on_rapid = weights is not None and weights.external_on_rapid
+        self._weight_external(USUAL)
         self._left = PathShare(limits)
         self._names = names or tuple(str(i) for i in range(limits.n))
         self._before: Border | None = None
@@ -261,6 +265,11 @@ class QueueWriter:
             if block.end_feed is not None:
                 self._end_feed = block.end_feed / 60.0
 
+    def _weight_external(self, settings: DynamicSettings) -> None:
+        """#FF: the weights of a feed that the PLC commands, for moves at feed and rapid ones; 0: it does not act."""
+        self._external = settings.external_feed if self._feed_factor_counts else 1.0
+        self._external_rapid = self._external if self._external_on_rapid else 0.0
+
     # ------------------------------------------------------------------ block → records
 
     def _records(self, block: Block) -> Records:
@@ -268,6 +277,7 @@ class QueueWriter:
             return self._polyline(block)
         if isinstance(block, DynamicsChange):
             self._limits.change(block.settings)
+            self._weight_external(block.settings)
             return np.zeros(0, dtype=RECORD)
         if isinstance(block, AxisLimitChange):
             self._limits.change_axes(self._left.of(block.limits))
@@ -471,6 +481,7 @@ class QueueWriter:
             feed = np.where(rapid, feed, np.minimum(feed, limit))
         records["feed"][there] = feed
         records["rapid"][there] = rapid
+        records["external"][there] = np.where(rapid, self._external_rapid, self._external)
         records["v_limit"][there] = dynamics.v_limit * share
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit

@@ -248,6 +248,9 @@ class ChannelParameters(Model):
     curve_dynamic_weighting_active: bool = False  # P-CHAN-00230
     curve_dynamic_weighting: dict[int, RadiusWeight] = Field(default_factory=dict)
     exact_stop_after_g00: bool = False  # P-CHAN-00235
+    g00_override_mode: Literal["NOT_USED", "MINIMUM_OF_G0_G1", "ACTIVE", "ACTIVE_EXTENDED"] = "NOT_USED"  # P-CHAN-00181
+    plc_command_rapid_feed: bool = False  # P-CHAN-00102, a feed of the PLC acts on rapid moves, too
+    disable_feed_factor: bool = False  # P-CHAN-00422, #FF does not weight it
     override_delay: int = 10  # P-CHAN-00065, µs between two changes of the override, ten cycles at least
     override_weight_prog_feed: int = 0  # P-CHAN-00066: 1 scales the programmed feed, 0 and 2 what the axes leave of it
     feed_override_weight_dwell_time: bool = False  # P-CHAN-00353, the feed override stretches dwells

@@ -167,7 +167,7 @@ ROWS = (
       "Orientation interpolation method with complete transformations"),
     P(420, "remain_tool_length_in_ax", "BOOLEAN", "", False, 8399, "1 = tool length stays in Z when the plane changes",
       use=Use.USED),
-    P(422, "disable_feed_factor", "BOOLEAN", "", False, 8410, "1 = #FF feed factor has no effect"),
+    P(422, "disable_feed_factor", "BOOLEAN", "", False, 8410, "1 = #FF feed factor has no effect", use=Use.USED),
     P(423, "suppress_trafo_in_g0_blocks", "BOOLEAN", "", False, 7134,
       "1 = G00 with transformation runs point-to-point in axis space"),
     P(425, "rt_cycles.max_duration", "UNS16", "1..MAX-1", 75, 8484,
