@@ -6,6 +6,7 @@ degrees. Feeds are mm/min or degrees/min, as programmed and after unit conversio
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 
@@ -412,6 +413,7 @@ class ContourMethod(Enum):
     DISTANCE = "DIST"
     SOFT = "DIST_SOFT"  # laid out for the acceleration of the axes
     POINT = "POS"  # through an interim point
+    WHOLE = "PTP"  # as long as deviation and distance allow, its acceleration rises and falls steadily
 
 
 class ContourAction(Enum):
@@ -426,8 +428,9 @@ class ContourAction(Enum):
 class Contouring:
     """Settings of contouring: lengths in mm, angles in degrees, shares from 0 to 1.
 
-    `before`, `behind`: corner distances of DISTANCE, POINT and SOFT (infinite: not watched). `tracking_deviation`: 0 is not
-    watched. `tracking_distance` (SOFT): infinite is not watched. `relevant`, `relevant_tracking`: shorter blocks are skipped.
+    `before`, `behind`: corner distances of DISTANCE, POINT and SOFT (infinite: not watched). `whole_deviation`,
+    `whole_distance`: of WHOLE, infinite: not watched. `tracking_deviation`: 0 is not watched.
+    `tracking_distance` (SOFT): infinite is not watched. `relevant`, `relevant_tracking`: shorter blocks are skipped.
     `remain`: share of a block that stays. `point`: machine coordinates of the main axes, the corner's own where None.
     `greatest_acceleration`, `least_acceleration`, `ramp_time`: of SOFT. `check_jerk` 0 lets curvature cause any jerk.
     """
@@ -436,6 +439,8 @@ class Contouring:
     deviation: float = 1.0
     before: float = 1.0
     behind: float = 1.0
+    whole_deviation: float = 1.0
+    whole_distance: float = math.inf
     tracking_deviation: float = 0.0
     tracking_distance: float = 1.0
     relevant: float = 0.0

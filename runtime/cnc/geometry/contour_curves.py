@@ -67,7 +67,9 @@ SETTINGS = np.dtype(
     align=True,
 )
 
-BY_DEVIATION, BY_DISTANCE, SOFT, THROUGH_POINT = 0, 1, 2, 3
+BY_DEVIATION, BY_DISTANCE, SOFT, THROUGH_POINT, WHOLE = 0, 1, 2, 3, 4
+
+WHOLE_RAMP = 0.4  # of the curve of WHOLE, in which its acceleration rises, and falls
 
 SHORTEST = 5e-4  # mm: a corner distance below it is none
 SAME = 1e-9  # of unit vectors: tangential
@@ -291,6 +293,8 @@ def corner_curve(
     most_a, most_b = longest(pre, settings["share"]), longest(post, settings["share"])
     if settings["method"] == SOFT and lines:
         return soft_corner(pre, post, settings, velocity, acceleration, jerk, min(most_a, most_b), n, out, work)
+    if settings["method"] == WHOLE:
+        return whole_corner(pre, post, settings, min(most_a, most_b), n, out, work) if lines else (0, 0.0, 0.0)
     a, b = min(settings["before"], most_a), min(settings["behind"], most_b)
     if settings["before"] == settings["behind"]:
         a = b = min(a, b)
@@ -377,6 +381,30 @@ def soft_corner(
     if a < SHORTEST:
         return 0, 0.0, 0.0
     soft_curve(pre, post, a, ramp, t0, t1, n, out)
+    return PIECES, a, a
+
+
+@kernel
+def whole_corner(
+    pre: np.void, post: np.void, settings: np.void, most: float, n: int, out: Floats, work: Floats
+) -> tuple[int, float, float]:
+    """The longest curve between lines, whose directions stand in `work` 1 and 4, within distance and deviation.
+
+    It is the same from both ends, so its middle is the place that is farthest from the corner's legs, and nearest to it.
+    """
+    a = min(most, settings["before"])
+    if a < SHORTEST:
+        return 0, 0.0, 0.0
+    soft_curve(pre, post, a, WHOLE_RAMP, work[1], work[4], n, out)
+    off = 0.0
+    for axis in range(min(MAIN_AXES, n)):
+        off += (out[2, 0, axis] - post["start"][axis]) ** 2
+    off = math.sqrt(off)
+    if off > settings["deviation"]:
+        a *= settings["deviation"] / off * _CERTAIN
+        if a < SHORTEST:
+            return 0, 0.0, 0.0
+        soft_curve(pre, post, a, WHOLE_RAMP, work[1], work[4], n, out)
     return PIECES, a, a
 
 

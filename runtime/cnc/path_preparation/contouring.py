@@ -49,6 +49,7 @@ from runtime.cnc.geometry.contour_curves import (
     SETTINGS,
     SOFT,
     THROUGH_POINT,
+    WHOLE,
     corner_curves,
 )
 from runtime.cnc.geometry.polynomials import MAIN_AXES, TERMS
@@ -77,6 +78,7 @@ _METHODS = {
     ContourMethod.DISTANCE: BY_DISTANCE,
     ContourMethod.SOFT: SOFT,
     ContourMethod.POINT: THROUGH_POINT,
+    ContourMethod.WHOLE: WHOLE,
 }
 _ENDS = {ContourAction.BEFORE: "before", ContourAction.WITHIN: "within", ContourAction.BEHIND: "behind"}
 
@@ -333,8 +335,13 @@ def _first(elements: Elements) -> np.void:
 def _settings_of(contouring: Contouring, pre: np.void) -> Elements:
     made = np.zeros(1, dtype=SETTINGS)
     soft = contouring.method is ContourMethod.SOFT
-    made["method"], made["deviation"] = _METHODS[contouring.method], contouring.deviation
-    made["before"], made["behind"] = contouring.before, contouring.before if soft else contouring.behind
+    whole = contouring.method is ContourMethod.WHOLE
+    made["method"], made["deviation"] = (
+        _METHODS[contouring.method],
+        contouring.whole_deviation if whole else contouring.deviation,
+    )
+    made["before"] = contouring.whole_distance if whole else contouring.before
+    made["behind"] = contouring.before if soft else contouring.behind
     made["tracking"] = contouring.tracking_distance if soft else contouring.tracking_deviation
     made["share"], made["angle"] = (1.0 - contouring.remain) / 2.0, math.radians(contouring.greatest_angle)
     made["least"], made["most"] = contouring.least_acceleration, contouring.greatest_acceleration

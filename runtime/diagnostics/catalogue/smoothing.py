@@ -12,7 +12,7 @@ METHOD_UNSUPPORTED = ErrorEntry(
     300501,
     "{method} is not supported by this version",
     reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="choose another method of smoothing: DEV, DIST, DIST_SOFT or POS",
+    remedy="choose another method of smoothing: DEV, DIST, DIST_SOFT, PTP or POS",
 )
 OF_OTHER_METHOD = ErrorEntry(
     300502,

@@ -169,9 +169,9 @@ def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
 @pytest.mark.spec("isg.var.g-active-flags")
 def test_the_method_of_contouring() -> None:
     program = "P1 = V.G.CONT_MODE_ACTIVE\nG261\nP2 = V.G.CONT_MODE_ACTIVE\n"
-    for number, method in enumerate(("DIST", "POS", "DIST_SOFT"), 3):
+    for number, method in enumerate(("DIST", "POS", "DIST_SOFT", "PTP"), 3):
         program += f"#CONTOUR MODE [{method}]\nP{number} = V.G.CONT_MODE_ACTIVE\n"
-    assert values(f"{program}G260\nP6 = V.G.CONT_MODE_ACTIVE") == {1: 0, 2: 4, 3: 3, 4: 5, 5: 6, 6: 0}
+    assert values(f"{program}G260\nP7 = V.G.CONT_MODE_ACTIVE") == {1: 0, 2: 4, 3: 3, 4: 5, 5: 6, 6: 7, 7: 0}
 
 
 @pytest.mark.spec("isg.var.g-active-flags", "isg.var.g-link-rotation")

@@ -258,6 +258,33 @@ def test_the_soft_curve_uses_the_share_of_the_acceleration() -> None:
     assert np.linalg.norm(free.curves[0][0] - [40.0, 40.0, 0.0]) > 12.0
 
 
+@pytest.mark.spec("isg.smooth.contour-ptp")
+def test_the_whole_contour_is_limited_by_deviation_or_distance() -> None:
+    def chosen(settings: str) -> Smoothed:
+        return smoothed(
+            f"#CONTOUR MODE [PTP {settings}]\nG261 G01 F1000 X100\nY100\nX90 Y200\nG02 X190 Y200 I50 J0\nG260\nM30"
+        )
+
+    far = chosen("PATH_DEV=5")
+    assert deviation(far) == pytest.approx(5.0, rel=1e-3)
+    assert len(far.curves) == 8  # the circle is reached exactly
+    assert all(joint.turn < 1e-6 and joint.bend < 1e-6 for joint in joints(far.blocks)[:-1])
+    assert np.linalg.norm(chosen("PATH_DIST=7").curves[0][0] - [100.0, 0.0, 0.0]) == pytest.approx(7.0)
+    both = chosen("PATH_DIST=7 PATH_DEV=0.5")
+    assert deviation(both) == pytest.approx(0.5, rel=1e-3)
+    assert np.linalg.norm(both.curves[0][0] - [100.0, 0.0, 0.0]) < 7.0
+    assert deviation(chosen("")) == pytest.approx(1.0, rel=1e-3)
+    run = drive(far.blocks, HARD, np.zeros(3))
+    assert run.finished
+    check_path_laws(run)
+
+
+@pytest.mark.spec("isg.smooth.contour-ptp")
+def test_the_limits_of_the_whole_contour_are_its_own() -> None:
+    text = "#CONTOUR MODE [PTP PATH_DIST=9]\n#CONTOUR MODE [DEV]\nG261 G01 F1000 X100\nY100\nM30"
+    assert deviation(smoothed(text)) == pytest.approx(1.0, rel=1e-3)
+
+
 def test_the_soft_curve_falls_back_to_distances_at_circles() -> None:
     program = smoothed("#CONTOUR MODE [DIST_SOFT PATH_DIST=3]\nG61 G01 F1000 X40\nG02 X50 Y10 I10 J0\nM30")
     assert len(program.curves) == 2
@@ -336,7 +363,8 @@ def test_inch_holds_for_lengths_where_the_channel_says_so() -> None:
 @pytest.mark.parametrize(
     ("text", "entry"),
     [
-        ("#CONTOUR MODE [PTP PATH_DEV=1]", catalogue.METHOD_UNSUPPORTED),
+        ("#CONTOUR MODE [PTP MERGE=2]", catalogue.VALUE_RANGE),
+        ("#CONTOUR MODE [PTP CONST_VEL=1]", catalogue.OF_OTHER_METHOD),
         ("#CONTOUR MODE [DIST_MASTER SYM_DIST=1]", catalogue.METHOD_UNSUPPORTED),
         ("#CONTOUR MODE [DIST_SOFT DIST_WEIGHT=50]", catalogue.METHOD_UNSUPPORTED),
         ("#CONTOUR MODE [DEV PRE_DIST=1]", catalogue.OF_OTHER_METHOD),

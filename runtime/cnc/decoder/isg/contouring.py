@@ -15,7 +15,7 @@ from runtime.diagnostics.catalogue import smoothing as catalogue
 
 _SPEC = ("isg.smooth.contour-mode-command", "isg.smooth.contour-dev", "isg.smooth.contour-dist")
 _METHODS = {method.value: method for method in ContourMethod}
-_REFUSED = ("DIST_MASTER", "PTP")  # methods that this version does not have
+_REFUSED = ("DIST_MASTER",)  # methods that this version does not have
 _ACTIONS = {action.value: action for action in ContourAction}
 _COMMON = {"PRE_ACTION", "INTER_ACTION", "POST_ACTION", "CHECK_JERK", "CONST_VEL"}
 _RELEVANT = {"RELEVANT_PATH", "RELEVANT_TRACK", "TRACK_DEV", "REMAIN_PART", "MAX_ANGLE"}
@@ -23,18 +23,19 @@ _ALLOWED = {
     ContourMethod.DEVIATION: {"PATH_DEV", *_RELEVANT, *_COMMON},
     ContourMethod.DISTANCE: {"PRE_DIST", "POST_DIST", *_RELEVANT, *_COMMON},
     ContourMethod.SOFT: {"PATH_DIST", "TRACK_DIST", "ACC_MAX", "ACC_MIN", "RAMP_TIME", "DIST_WEIGHT"},
+    ContourMethod.WHOLE: {"PATH_DEV", "PATH_DIST", "MERGE", *(action.value for action in ContourAction)},
     ContourMethod.POINT: {"PRE_DIST", "POST_DIST", "X", "Y", "Z", *_COMMON},
 }
 _KEYS = (
     *(Key(name, KeyKind.FLAG) for name in (*_METHODS, *_REFUSED, *_ACTIONS)),
     *(Key(name) for name in sorted(set().union(*_ALLOWED.values()) - _ACTIONS.keys())),
     Key("SYM_DIST"),
-    Key("MERGE"),
 )
 _SYNTAX = (
     "[DEV [PATH_DEV=..] [RELEVANT_PATH=..] [TRACK_DEV=..] [RELEVANT_TRACK=..] [REMAIN_PART=..] [MAX_ANGLE=..] <further>]",
     "[DIST [PRE_DIST=..] [POST_DIST=..] [RELEVANT_PATH=..] [TRACK_DEV=..] [RELEVANT_TRACK=..] [REMAIN_PART=..] <further>]",
     "[DIST_SOFT [PATH_DIST=..] [TRACK_DIST=..] [ACC_MAX=..] [ACC_MIN=..] [RAMP_TIME=..]]",
+    "[PTP [PATH_DEV=..] [PATH_DIST=..] [MERGE=0|1]]",
     "[POS [PRE_DIST=..] [POST_DIST=..] [X..] [Y..] [Z..] <further>]",
 )
 
@@ -60,10 +61,18 @@ def contour_off(x: Execution, call: GCall) -> None:
     select_contouring(x, False, keeps=motion)
 
 
-_NUMBER = {ContourMethod.DISTANCE: 3, ContourMethod.DEVIATION: 4, ContourMethod.POINT: 5, ContourMethod.SOFT: 6}
+_NUMBER = {
+    ContourMethod.DISTANCE: 3,
+    ContourMethod.DEVIATION: 4,
+    ContourMethod.POINT: 5,
+    ContourMethod.SOFT: 6,
+    ContourMethod.WHOLE: 7,
+}
 
 
-@variable("V.G.CONT_MODE_ACTIVE", "isg.var.g-active-flags", "with G261: 3 DIST, 4 DEV, 5 POS, 6 DIST_SOFT; 0 with G260")
+@variable(
+    "V.G.CONT_MODE_ACTIVE", "isg.var.g-active-flags", "with G261: 3 DIST, 4 DEV, 5 POS, 6 DIST_SOFT, 7 PTP; 0 with G260"
+)
 def contour_method(x: Execution) -> float:
     return float(_NUMBER[x.smoothing.contouring.method]) if x.modal.contouring else 0.0
 
@@ -73,7 +82,7 @@ def contour_method(x: Execution) -> float:
 
 def _statement(name: str, on: bool | None) -> StatementHandler:
     @statement(
-        name, *_SPEC, "isg.smooth.contour-dist-soft", "isg.smooth.contour-pos",
+        name, *_SPEC, "isg.smooth.contour-dist-soft", "isg.smooth.contour-pos", "isg.smooth.contour-ptp",
         syntax=tuple(f"#{name} {syntax}" for syntax in _SYNTAX), form=Form.KEYS, keys=_KEYS, optional=on is not None,
     )  # fmt: skip
     def contour_mode(x: Execution, call: StatementCall) -> None:
@@ -135,12 +144,25 @@ def settings_of(x: Execution, call: StatementCall, now: Contouring) -> Contourin
         changes["check_jerk"] = round(changes["check_jerk"])
     if call.given("CONST_VEL"):
         changes["constant_velocity"] = bool(call.number("CONST_VEL"))
+    if method is ContourMethod.WHOLE:
+        _whole_contour(call, changes)
     if method is ContourMethod.POINT:
         changes["point"] = _point(x, call, now)
     made = replace(now, **changes)
     if soft and made.least_acceleration > made.greatest_acceleration:
         raise call.error(catalogue.ACCELERATION_ORDER, "ACC_MIN")
     return made
+
+
+def _whole_contour(call: StatementCall, changes: dict[str, Any]) -> None:
+    """PTP has limits of its own: what is programmed last holds, deviation, distance or both."""
+    if call.given("MERGE"):  # the path is driven through tangential borders anyway
+        value = call.needed("MERGE")
+        if value not in (0.0, 1.0):
+            raise call.error(catalogue.VALUE_RANGE, "MERGE", key="MERGE", value=value, least=0.0, most=1.0)
+    limits = {"whole_deviation": changes.pop("deviation", math.inf), "whole_distance": changes.pop("before", math.inf)}
+    if call.given("PATH_DEV") or call.given("PATH_DIST"):
+        changes |= limits
 
 
 # key, field, range, and what a unit of it is inside
