@@ -122,3 +122,16 @@ def test_a_rapid_override_of_nothing_stops_rapid_moves_only(demo: Machine, tmp_p
     channel.control.rapid_override.command_w = 1000
     driven.watch(2000)
     assert driven.channel.interpolator.position[0] == pytest.approx(40.0, abs=1e-6)
+
+
+@pytest.mark.spec("hli.ax.cu.override")
+def test_the_override_of_an_axis_does_not_act_inside_of_a_path(demo: Machine, tmp_path: Path) -> None:
+    driven = ideal(demo, tmp_path)
+    axis = driven.hli.axes[0]
+    axis.plc_present_w = True
+    for unit in (axis.control.override, axis.control.override_valid):
+        unit.enable_w, unit.command_w = True, 1
+    axis.control.override.command_w = 300
+    driven.start(FEED)
+    assert settled_speed(driven) == pytest.approx(3000, rel=1e-3)
+    assert axis.control.override.state_r == 300

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.blocks import Floats, Spline, Synch
 from runtime.cnc.decoder.feed_group import MAIN_GROUP, FeedGroup
+from runtime.cnc.decoder.smoothing import HSC_DEFAULT, hsc_start
 from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits, WeightedPart
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
@@ -218,6 +219,7 @@ class DecoderSetup:
     areas: Mapping[str, int] = field(default_factory=dict)  # axis of the channel → index among those of the machine
     poly_jerk: int = 1  # P-CHAN-00110
     contouring_inch: bool = False  # P-CHAN-00439
+    hsc_start: Spline = HSC_DEFAULT  # what #HSC [BSPLINE] begins with
     limits: Limits = Limits()
     radius_compensation: bool = True  # P-CHAN-00092
     other_axes: tuple[OtherAxis, ...] = ()  # without spindles
@@ -303,6 +305,7 @@ class DecoderSetup:
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
             poly_jerk=parameters.check_jerk_on_poly_path,
             contouring_inch=bool(parameters.contouring_consider_inch),
+            hsc_start=hsc_start(parameters.hsc.bspline),
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from runtime.cnc.blocks import ContourChange, Contouring, Segmentation, Spline, SplineKind
+from runtime.config.channel.dynamics import HscBsplineParameters
 
 if TYPE_CHECKING:
     from runtime.cnc.decoder.execution import Execution
@@ -45,9 +46,23 @@ class Smoothing:
     segmentation: Segmentation = field(default_factory=Segmentation)
 
     @classmethod
-    def of(cls, check_jerk: int) -> Smoothing:
-        """The state at the start of a program; `check_jerk`: P-CHAN-00110."""
-        return cls(Contouring(check_jerk=check_jerk), surface=replace(SURFACE_DEFAULT, check_jerk=check_jerk))
+    def of(cls, check_jerk: int, hsc: Spline) -> Smoothing:
+        """The state at the start of a program; `check_jerk`: P-CHAN-00110, `hsc`: of #HSC [BSPLINE]."""
+        return cls(Contouring(check_jerk=check_jerk), hsc=hsc, surface=replace(SURFACE_DEFAULT, check_jerk=check_jerk))
+
+
+def hsc_start(given: HscBsplineParameters) -> Spline:
+    """What #HSC [BSPLINE] begins with (P-CHAN-00122 to 00130); an angle of 0 is the usual one."""
+    return replace(
+        HSC_DEFAULT,
+        deviation=given.path_deviation * 1e-4,
+        tracking_deviation=given.track_deviation * 1e-4,
+        longest=given.max_path_length * 1e-4,
+        greatest_angle=min(given.max_angle * 1e-4, 180.0) or HSC_DEFAULT.greatest_angle,
+        without_rapid=given.auto_off_g00,
+        sharp=given.auto_off_path,
+        sharp_tracking=given.auto_off_track,
+    )
 
 
 def select_contouring(x: Execution, on: bool, keeps: bool = True) -> None:

@@ -60,13 +60,17 @@ class InterpolatingCurve:
         marks[:-1] |= sharp
         marks[1:] |= sharp
         marks[0] |= self._sharp
-        known = [*self._lengths, *length.tolist()]
-        offset = len(self._lengths)
-        for i, here in enumerate(length.tolist()):
-            before = known[max(i + offset - BEFORE, 0) : i + offset]
-            if before and here > self._spline.longest_factor * float(np.median(before)):
-                marks[i] = True
-        return marks, sharp
+        return marks | (length > self._spline.longest_factor * self._medians(length)), sharp
+
+    def _medians(self, length: Floats) -> Floats:
+        """The median length of up to five legs before each (k,), infinite for the first one."""
+        before = np.concatenate([np.full(BEFORE - len(self._lengths), np.nan), self._lengths, length[:-1]])
+        windows = np.lib.stride_tricks.sliding_window_view(before, BEFORE)
+        medians: Floats = np.median(windows, axis=1)
+        for i in np.flatnonzero(np.isnan(medians)).tolist():  # the beginning
+            there = windows[i][~np.isnan(windows[i])]
+            medians[i] = np.median(there) if len(there) else np.inf
+        return medians
 
     def _handed_on(self, legs: Legs, marks: Flags, ahead: Floats, line: Floats | None) -> Iterator[Block]:
         """Legs as lines and curves; `ahead` (0…2, n): places behind the last leg, `line`: direction of a prismatic leg there."""

@@ -72,3 +72,21 @@ class RadiusWeight(Model):
     def factors(self) -> tuple[float, float, float]:
         """Of velocity, acceleration and ramp time."""
         return self.velocity_fact * PER_MILLE, self.acceleration_fact * PER_MILLE, self.ramp_time_fact * PER_MILLE
+
+
+class HscBsplineParameters(Model):
+    """Start values of #HSC [BSPLINE], 0.1 µm and 0.0001 degrees."""
+
+    path_deviation: float = 2000.0  # P-CHAN-00122
+    track_deviation: float = 50_000.0  # P-CHAN-00123
+    max_path_length: float = 0.0  # P-CHAN-00124
+    max_angle: float = 0.0  # P-CHAN-00125
+    auto_off_g00: bool = False  # P-CHAN-00128
+    auto_off_path: bool = False  # P-CHAN-00129
+    auto_off_track: bool = False  # P-CHAN-00130
+
+
+class HscParameters(Model):
+    """Start values of HSC."""
+
+    bspline: HscBsplineParameters = HscBsplineParameters()

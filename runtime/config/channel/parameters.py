@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import Field, PrivateAttr
 
-from runtime.config.channel.dynamics import PathWeight, RadiusWeight, SlopeAtStart, VectorParameters
+from runtime.config.channel.dynamics import HscParameters, PathWeight, RadiusWeight, SlopeAtStart, VectorParameters
 from runtime.config.channel.key import Key
 from runtime.config.contradictions import Contradiction, Location
 from runtime.config.model import Model, Several
@@ -248,6 +248,7 @@ class ChannelParameters(Model):
     curve_dynamic_weighting_active: bool = False  # P-CHAN-00230
     curve_dynamic_weighting: dict[int, RadiusWeight] = Field(default_factory=dict)
     exact_stop_after_g00: bool = False  # P-CHAN-00235
+    hsc: HscParameters = HscParameters()
     g00_override_mode: Literal["NOT_USED", "MINIMUM_OF_G0_G1", "ACTIVE", "ACTIVE_EXTENDED"] = "NOT_USED"  # P-CHAN-00181
     plc_command_rapid_feed: bool = False  # P-CHAN-00102, a feed of the PLC acts on rapid moves, too
     disable_feed_factor: bool = False  # P-CHAN-00422, #FF does not weight it

@@ -304,6 +304,7 @@ def test_a_slave_that_cannot_follow_stops_inside_its_limits(master: Callable[[fl
     rig.done(rig.give(F.MOVE_RELATIVE, position=-1.0, velocity=1.0))
 
 
+@pytest.mark.spec("hli.ax.cu.override")
 def test_feed_hold_and_override_of_the_axis_act_on_its_jobs() -> None:
     rig = Rig()
     job = rig.give(F.MOVE_ABSOLUTE, position=50.0, velocity=50.0)

@@ -120,6 +120,7 @@ def test_many_short_moves_in_windows() -> None:
     assert ends_meet(path.blocks) < 1e-9
 
 
+@pytest.mark.spec("isg.smooth.hsc-bspline-auto-off")
 @pytest.mark.parametrize(
     ("setting", "moves", "corner", "exact"),
     [
