@@ -93,6 +93,8 @@ class Drive(Model):
     simulated: SimulatedServo = SimulatedServo()
     optional: bool = False  # the machine starts without it, and takes it in when it comes
     configuration: Configuration | None = None  # 0x1020: date and time, checked
+    dcf: FileBeside | None = None  # DCF or concise DCF: what the device is set to before it starts
+    dcf_store: bool = False  # the device keeps it (0x1010), if it was not set so already
     mode: Literal["cyclic_synchronous_position", "cyclic_synchronous_velocity", "interpolated_position"] | None = (
         None  # default: cyclic synchronous position, of a spindle velocity
     )

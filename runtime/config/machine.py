@@ -205,6 +205,8 @@ class IoNode(Model):
     outputs: Several[str] = ()
     optional: bool = False  # the machine starts without it, and takes it in when it comes
     configuration: Configuration | None = None  # 0x1020: date and time, checked
+    dcf: FileBeside | None = None  # DCF or concise DCF: what the device is set to before it starts
+    dcf_store: bool = False  # the device keeps it (0x1010), if it was not set so already
 
 
 BusName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,15}$")]

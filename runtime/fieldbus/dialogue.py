@@ -8,19 +8,20 @@ meanwhile (a node that comes back, runtime.fieldbus.rejoin). Refusals are raised
 from __future__ import annotations
 
 import struct
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from canopen.objectdictionary import ObjectDictionaryError
-from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.config.machine import Bus, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.drives import DriveImage
 from runtime.fieldbus import cia402, exchange
+from runtime.fieldbus.dcf import Configuration, Entry
 from runtime.fieldbus.drive_setup import drive_writes, needed_writes, parts
+from runtime.fieldbus.error_codes import abort_text
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink, IoLink
 from runtime.fieldbus.pdo import INVALID, NO_RTR, Direction, PdoPlan, find_variable, object_name
@@ -36,6 +37,8 @@ CONSUMER_HEARTBEAT: Final = 0x1016
 PRODUCER_HEARTBEAT: Final = 0x1017
 IDENTITY: Final = 0x1018
 VERIFY_CONFIGURATION: Final = 0x1020  # days since 1984, ms since midnight
+STORE_PARAMETERS: Final = 0x1010
+SAVE: Final = 0x65766173  # "save"
 
 SYNC: Final = 0x80
 TIME: Final = 0x100
@@ -74,10 +77,21 @@ def interpolation_time(period: float) -> tuple[int, int]:
     raise FieldbusError(catalogue.CYCLE_NOT_REPRESENTABLE, period_us=f"{period * 1e6:g}")
 
 
-class NodeDialogues:
-    """The dialogues of the nodes of one bus of a machine."""
+@dataclass(frozen=True, slots=True)
+class Download:
+    """A configuration, and whether the node shall keep it without supply."""
 
-    def __init__(self, machine: Machine, bus: Bus, image: DriveImage) -> None:
+    configuration: Configuration
+    store: bool = False
+
+
+class NodeDialogues:
+    """The dialogues of the nodes of one bus of a machine. `downloads`: node id → its configuration file."""
+
+    def __init__(
+        self, machine: Machine, bus: Bus, image: DriveImage, downloads: Mapping[int, Download] | None = None
+    ) -> None:
+        self._downloads = downloads or {}
         self._machine = machine
         self._bus = bus
         self._image = image
@@ -113,6 +127,8 @@ class NodeDialogues:
         else:
             yield Access(PRODUCER_HEARTBEAT, 0, heartbeat_ms)
             yield Access(CONSUMER_HEARTBEAT, 1, self._bus.master_node << 16 | timeout_ms)
+        if download := self._downloads.get(link.node):
+            yield from _download(link, download)
         for index, value in self._clock_objects():
             if has(link, index):
                 yield Access(index, 0, value)
@@ -168,6 +184,27 @@ class NodeDialogues:
             for group in range((link.inputs + 7) // 8):
                 data.append((yield Access(exchange.READ_INPUTS, group + 1)))
             link.receive_inputs(data)
+
+
+def _download(link: DriveLink | IoLink, download: Download) -> Dialogue:
+    """The configuration file, unless the node says by date and time that it is configured so (CiA 302-3)."""
+    stamp = download.configuration.stamp
+    if stamp is not None:
+        found = ((yield Access(VERIFY_CONFIGURATION, 1)), (yield Access(VERIFY_CONFIGURATION, 2)))
+        if found == stamp:
+            return
+    for entry in download.configuration.entries:
+        yield Access(entry.index, entry.subindex, _number(link, entry))
+    if stamp is not None:
+        yield Access(VERIFY_CONFIGURATION, 1, stamp[0])
+        yield Access(VERIFY_CONFIGURATION, 2, stamp[1])
+    if download.store:
+        yield Access(STORE_PARAMETERS, 1, SAVE)
+
+
+def _number(link: DriveLink | IoLink, entry: Entry) -> int:
+    """The value of an entry as the EDS of the node has its type. Raises FieldbusError."""
+    return decoded(link, Access(entry.index, entry.subindex), entry.data)
 
 
 def _pdo_writes(link: DriveLink | IoLink) -> Iterator[Access]:
@@ -234,12 +271,6 @@ def decoded(link: DriveLink | IoLink, access: Access, data: bytes) -> int:
 
 def refused(entry: ErrorEntry, link: DriveLink | IoLink, **values: object) -> FieldbusError:
     return FieldbusError(entry, Place(), node=link.node, owner=link.owner, **values)
-
-
-def abort_text(code: int) -> str:
-    """Plain text of an abort code of CiA 301."""
-    text: str = SdoAbortedError.CODES.get(code, "unknown reason")
-    return text[:1].lower() + text[1:]
 
 
 def aborted(link: DriveLink | IoLink, access: Access, code: int) -> FieldbusError:

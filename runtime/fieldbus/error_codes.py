@@ -1,4 +1,4 @@
-"""Plain text of CANopen's codes: emergency error codes, NMT states.
+"""Plain text of CANopen's codes: emergency error codes, SDO abort codes, NMT states.
 
 Emergency codes are those of CiA 301 (communication) and of IEC 61800-7-201 / CiA 402 (drives), where 0x603F
 uses the same.
@@ -7,6 +7,8 @@ uses the same.
 from __future__ import annotations
 
 from typing import Final
+
+from canopen.sdo.exceptions import SdoAbortedError
 
 EMERGENCY_TEXTS: Final[dict[int, str]] = {
     0x0000: "no error",
@@ -132,3 +134,9 @@ def emergency_text(code: int) -> str:
 def nmt_state_text(state: int) -> str:
     """Name of an NMT state as it stands in a heartbeat."""
     return NMT_STATES.get(state, f"unknown ({state})")
+
+
+def abort_text(code: int) -> str:
+    """Plain text of an abort code of CiA 301."""
+    text: str = SdoAbortedError.CODES.get(code, "unknown reason")
+    return text[:1].lower() + text[1:]

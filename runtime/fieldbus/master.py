@@ -27,8 +27,9 @@ from runtime.drives import BusFigures, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
 from runtime.fieldbus.beat import Beat
 from runtime.fieldbus.boot import OPERATIONAL, BootSequence
+from runtime.fieldbus.dcf import read_configuration
 from runtime.fieldbus.described import make_links
-from runtime.fieldbus.dialogue import SYNC, NodeDialogues
+from runtime.fieldbus.dialogue import SYNC, Download, NodeDialogues
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.io_exchange import IoExchange
 from runtime.fieldbus.leaving import stop_all
@@ -131,7 +132,7 @@ class CanopenMaster:
         self._forget()
         self._drives = [link for link in self._links if isinstance(link, DriveLink)]
         self._plan_load()
-        self._dialogues = NodeDialogues(self._machine, self._config, self.image)
+        self._dialogues = NodeDialogues(self._machine, self._config, self.image, self._downloads())
         self._boot = BootSequence(
             self._machine,
             self._config,
@@ -163,6 +164,15 @@ class CanopenMaster:
         for link in self._links:
             if not link.booted:
                 self._lose(link, catalogue.NODE_ABSENT.id)
+
+    def _downloads(self) -> dict[int, Download]:
+        """The configuration files of the nodes of this bus. Raises FieldbusError for one that cannot be used."""
+        devices = [*(axis.drive for axis in self._machine.axes), *self._machine.fieldbus.io]
+        return {
+            device.node: Download(read_configuration(device.dcf, device.node), device.dcf_store)
+            for device in devices
+            if device is not None and device.dcf is not None and (device.bus or "") == self.name
+        }
 
     def _gone_at_start(self, error: Exception) -> FieldbusError:
         return FieldbusError(catalogue.BUS_GONE, meaning=str(error), bus=f" {self._config.channel}")

@@ -11,7 +11,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.diagnostics.catalogue import fieldbus as catalogue
-from runtime.fieldbus.dialogue import abort_text
+from runtime.fieldbus.error_codes import abort_text
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.network import PumpedSdoClient
 from runtime.fieldbus.pdo import VALUE_RANGES, find_variable, object_name

@@ -61,3 +61,15 @@ JOG_LIMIT = ErrorEntry(
     "{what} of {value:g} is outside of 0 to {limit:g}, what axis {axis} may do in {unit}",
     remedy="the axis' velocity and travel in the machine description are the limits",
 )
+DCF_UNREADABLE = ErrorEntry(
+    303120,
+    "the configuration file {file} cannot be used: {reason}",
+    remedy="write it anew with the tool of the device",
+    source="CiA 306, CiA 302-3",
+)
+DCF_VALUE = ErrorEntry(
+    303121,
+    "the configuration file {file} cannot be used for object {object}: {reason}",
+    remedy="correct the value of the object, or take it out of the file and set it with the tool of the device",
+    source="CiA 306",
+)
