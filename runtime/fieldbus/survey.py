@@ -156,7 +156,7 @@ def eds_files(folder: Path) -> list[EdsFile]:
         parser = configparser.RawConfigParser(strict=False)
         try:
             parser.read_string(eds_text.normalise(eds_text.decode(path.read_bytes())))
-        except configparser.Error:
+        except (configparser.Error, ValueError):
             continue
 
         def number(key: str, parser: configparser.RawConfigParser = parser) -> int | None:
