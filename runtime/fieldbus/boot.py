@@ -6,6 +6,7 @@ names it; a node that is optional may be missing, and comes in later (runtime.fi
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Final
 
@@ -21,10 +22,14 @@ from runtime.fieldbus.links import DriveLink, IoLink, Links
 from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, Wait
 
 OPERATIONAL: Final = 5
+SECOND_BOOT_UP: Final = 0.05  # s in which a second node with the same id would boot too
 
 
 class BootSequence:
-    """One boot. `heard_master` tells whether another master was heard; `wait` lets bus and time run."""
+    """One boot. `heard_master` tells whether another master was heard, `boot_ups` counts boot-up messages by node id.
+
+    `wait` lets bus and time run.
+    """
 
     def __init__(
         self,
@@ -35,7 +40,9 @@ class BootSequence:
         dialogues: NodeDialogues,
         wait: Wait,
         heard_master: Callable[[], bool],
+        boot_ups: Counter[int],
     ) -> None:
+        self._boot_ups = boot_ups
         self._machine = machine
         self._bus = bus
         self._network = network
@@ -73,14 +80,26 @@ class BootSequence:
             raise FieldbusError(catalogue.OTHER_MASTER, channel=self._bus.channel)
 
     def _reset(self) -> None:
-        for link in self._links:
-            link.booted = False
-        # Reset of the communication only: a fault of the drive and its cause stay to be seen.
-        self._command(0, "RESET COMMUNICATION")
-        self._wait(lambda: all(link.booted for link in self._links), self._bus.boot_timeout)
+        self._reset_once()
+        if self._doubled():  # one that was just being switched on boots twice too
+            self._reset_once()
+            if doubled := self._doubled():
+                raise refused(catalogue.NODE_DOUBLE, doubled[0])
         if absent := [link for link in self._links if not link.booted and not link.optional]:
             missing = ", ".join(f"node {link.node} ({link.owner})" for link in absent)
             raise FieldbusError(catalogue.NODE_MISSING, nodes=missing, seconds=self._bus.boot_timeout)
+
+    def _reset_once(self) -> None:
+        for link in self._links:
+            link.booted = False
+        self._boot_ups.clear()
+        # Reset of the communication only: a fault of the drive and its cause stay to be seen.
+        self._command(0, "RESET COMMUNICATION")
+        self._wait(lambda: all(link.booted for link in self._links), self._bus.boot_timeout)
+        self._wait(lambda: False, SECOND_BOOT_UP)
+
+    def _doubled(self) -> Links:
+        return [link for link in self._links if self._boot_ups[link.node] > 1]
 
     def _wait_operational(self, links: Links) -> None:
         if not self._bus.heartbeat:

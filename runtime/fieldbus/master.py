@@ -13,7 +13,9 @@ sleeps a little, in virtual time it lets the simulated nodes and the clock go on
 
 from __future__ import annotations
 
+import math
 import time
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Final
@@ -46,6 +48,8 @@ HIGH_LOAD: Final = 0.9  # share of the bus, from which on a repeated frame makes
 BUS_ERRORS: Final = (can.CanError, OSError, ValueError)  # ValueError: select() on a closed socket
 ERROR_FRAME_BUS_OFF: Final = 0x40  # SocketCAN: CAN_ERR_BUSOFF
 BOOT_UP: Final = 0
+DEVICE_TYPE_QUESTION: Final = bytes((0x40, 0x00, 0x10, 0, 0, 0, 0, 0))  # SDO upload of object 0x1000
+TOLD_PAUSE: Final = 1.0  # s after which a foreign SYNC is told again
 EMERGENCY_PAUSE: Final = 1.0  # s in which the same emergency of a node is told once
 RESTING: Final = (
     DriveState.OFFLINE,
@@ -93,6 +97,7 @@ class CanopenMaster:
         self._table: dict[int, Receiver] = {}
         self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
         self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
+        self._boot_ups: Counter[int] = Counter()  # by node id
         self._questions: dict[int, Questions] = {}  # by node id: to nodes in operation
         self._virtual = [i for i, axis in enumerate(machine.axes) if axis.drive is None and not name]
         self._forget()
@@ -106,6 +111,10 @@ class CanopenMaster:
         self._questions = {}
         self._watching = False
         self._heard_master = False
+        self._foreign_sync_told = -math.inf
+        self._drained_at = 0.0  # s, when no frame was left in the queue
+        self._flood_told = False
+        self._asked = 0  # index of the node that was asked last on a bus that is gone
         self._cycle_time = 0.0
         self._bits = 0.0
         self._cycles = 0
@@ -141,6 +150,7 @@ class CanopenMaster:
             self._dialogues,
             self._wait,
             lambda: self._heard_master,
+            self._boot_ups,
         )
         self._clients = self._boot.clients
         self._table = self._receivers()
@@ -160,7 +170,7 @@ class CanopenMaster:
             raise self._gone_at_start(error) from error
         self._io.publish()
         self._running = True
-        self._cycle_time = self._now()
+        self._cycle_time = self._drained_at = self._now()
         for link in self._links:
             if not link.booted:
                 self._lose(link, catalogue.NODE_ABSENT.id)
@@ -188,7 +198,7 @@ class CanopenMaster:
         return own
 
     def _receivers(self) -> dict[int, Receiver]:
-        table: dict[int, Receiver] = {SYNC: self._on_foreign_master}
+        table: dict[int, Receiver] = {SYNC: self._on_foreign_sync}
         table[self._beat.heartbeat.arbitration_id] = self._on_foreign_master
         for link in self._links:
             table |= link.receivers()
@@ -207,6 +217,12 @@ class CanopenMaster:
 
     def _on_foreign_master(self, data: bytearray) -> None:
         self._heard_master = True
+
+    def _on_foreign_sync(self, data: bytearray) -> None:
+        self._heard_master = True
+        if self._running and self._cycle_time - self._foreign_sync_told >= TOLD_PAUSE:
+            self._foreign_sync_told = self._cycle_time
+            self._tell(catalogue.FOREIGN_SYNC)
 
     def _wait(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Let bus and time run until `condition` holds; False after `seconds`. Raises can.CanError."""
@@ -261,7 +277,11 @@ class CanopenMaster:
             if not link.lost:
                 link.feedback(image, self._period)
         if drained:
+            self._drained_at, self._flood_told = now, False
             self._watch(now)
+        elif now - self._drained_at > self._config.heartbeat_timeout and not self._flood_told:
+            self._flood_told = True
+            self._tell(catalogue.BUS_FLOODED)
         self._io.publish()
         self._measure_load()
 
@@ -431,6 +451,7 @@ class CanopenMaster:
         link.last_heartbeat = self._cycle_time
         if state == BOOT_UP:
             link.booted = True
+            self._boot_ups[link.node] += 1
         if self._running and not link.lost and state != OPERATIONAL:
             entry = catalogue.NODE_RESTARTED if state == BOOT_UP else catalogue.NODE_LEFT_OPERATIONAL
             self._lose(link, entry.id, state)
@@ -489,9 +510,15 @@ class CanopenMaster:
             self._tell(catalogue.BUS_BACK)
 
     def _try_bus(self) -> None:
-        """Heartbeats into a bus that is gone: nodes that have fallen silent hear that the master lives."""
+        """Heartbeats into a bus that is gone: nodes that have fallen silent hear that the master lives.
+
+        And a question to one node after the other: nodes that were just being reset have no heartbeat to be heard by.
+        """
         try:
             self._send(self._beat.heartbeat)
+            if self._links:
+                self._asked = (self._asked + 1) % len(self._links)
+                self._send_data(0x600 + self._links[self._asked].node, DEVICE_TYPE_QUESTION)
         except BUS_ERRORS:
             self._outage.sending_works = False
         else:

@@ -3,7 +3,7 @@
 Each cycle takes one look at one outstanding SDO answer per node, so a node that comes back costs a frame per cycle at most and
 the other nodes notice nothing. The drive comes back disabled; its axis tracks until somebody acknowledges.
 
-    LISTENING ─ any sign of life ─▶ RESETTING ─ boot-up message ─▶ TALKING ─ dialogue over ─▶ STARTING ─ operational ─▶ joined
+    LISTENING ─ sign of life, or 5 s ─▶ RESETTING ─ boot-up message ─▶ TALKING ─ dialogue over ─▶ STARTING ─ operational ─▶ joined
         ▲────────────────────────── no answer, refused, booted again ───────────┴────────────────┘
 """
 
@@ -13,15 +13,19 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Final
 
+from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import TandemError
 from runtime.drives import DriveEvent
-from runtime.fieldbus.boot import OPERATIONAL
-from runtime.fieldbus.dialogue import Dialogue, NodeDialogues
+from runtime.fieldbus.boot import OPERATIONAL, SECOND_BOOT_UP
+from runtime.fieldbus.dialogue import Dialogue, NodeDialogues, refused
 from runtime.fieldbus.links import DriveLink, IoLink
 from runtime.fieldbus.questions import Questions
 
 BOOT_LIMIT: Final = 3.0  # s for the boot-up message, and for the first heartbeat in operation
 PAUSE: Final = 2.0  # s after a refusal until it is tried again
+UNHEARD: Final = (
+    5.0  # s after which a node is reset unheard: one whose reset went well, and its answer not, has no heartbeat
+)
 
 START: Final = 1
 RESET_COMMUNICATION: Final = 130
@@ -50,6 +54,8 @@ class Rejoin:
         self._limit = now  # end of the patience of this stage; while listening: not before
         self._alive = False
         self._booted = False
+        self._doubled = False  # two boot-up messages came at once
+        self._reset_at = now  # s, when it booted
         self._dialogue: Dialogue | None = None
         self._questions = Questions(link, send)
 
@@ -57,6 +63,7 @@ class Rejoin:
         """A sign of life of the node: its NMT state."""
         self._alive = True
         if state == BOOT_UP:
+            self._doubled = self._booted
             self._booted = True
 
     def on_answer(self, data: bytes | bytearray) -> None:
@@ -67,13 +74,16 @@ class Rejoin:
         """One cycle at the time `now` (s); True when the node is in operation again."""
         match self.stage:
             case Stage.LISTENING:
-                if self._alive and now >= self._limit:
-                    self._booted = False
+                if now >= self._limit and (self._alive or now >= self._limit + UNHEARD):
+                    self._booted = self._doubled = False
                     self._send(0, bytes((RESET_COMMUNICATION, self.link.node)))
                     self._enter(Stage.RESETTING, now + BOOT_LIMIT)
             case Stage.RESETTING:
-                if self._booted:
+                if self._doubled:
+                    self._refuse(refused(catalogue.NODE_DOUBLE, self.link), now)
+                elif self._booted:
                     self._booted = False
+                    self._reset_at = now
                     self._dialogue = self._talk()
                     self._enter(Stage.TALKING, now)
                     self._go_on(None, now)
@@ -108,7 +118,10 @@ class Rejoin:
     def _hear(self, now: float) -> None:
         """One look at the answer that is outstanding."""
         if self._booted:  # again: what was said so far is forgotten
-            self._listen(now)
+            if now - self._reset_at < SECOND_BOOT_UP:
+                self._refuse(refused(catalogue.NODE_DOUBLE, self.link), now)
+            else:
+                self._listen(now)
             return
         try:
             number = self._questions.poll(now)

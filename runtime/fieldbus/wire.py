@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final
 
 from runtime.config.machine import Bus
@@ -21,12 +22,31 @@ def load(data_lengths: Iterable[int], seconds: float, bitrate: float) -> float:
     return sum(FRAME_BITS[n] for n in data_lengths) / (seconds * bitrate)
 
 
-def planned_load(links: Links, bus: Bus, period: float) -> float:
-    """Share of a bus that the process data and heartbeats of its nodes take at a cycle of `period` s, 0...1 and above."""
-    bits = FRAME_BITS[1 if bus.sync_counter else 0] / period
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """What the nodes of a bus and its master send, per second."""
+
+    frames: float
+    bits: float
+
+
+def planned_traffic(links: Links, bus: Bus, period: float) -> Traffic:
+    """Process data, SYNC and heartbeats at a cycle of `period` s; what happens now and then (SDO, EMCY) is not in it."""
+    heartbeats = (len(links) + 1) / bus.heartbeat
+    frames, bits = heartbeats, heartbeats * FRAME_BITS[1]
+    sync = FRAME_BITS[1 if bus.sync_counter else 0]
+    frames, bits = frames + 1.0 / period, bits + sync / period
+    if bus.time_stamp:
+        frames, bits = frames + 1.0 / bus.time_stamp, bits + FRAME_BITS[6] / bus.time_stamp
     for link in links:
+        if link.guarded:  # questions of the master, beside the answers
+            frames, bits = frames + 1.0 / bus.heartbeat, bits + FRAME_BITS[0] / bus.heartbeat
         for plan, layout in link.layouts.items():
             every = plan.transmission * period if plan.transmission <= LAST_SYNCHRONOUS else IO_REFRESH
-            bits += FRAME_BITS[layout.codec.size] / every
-    bits += (len(links) + 1) * FRAME_BITS[1] / bus.heartbeat
-    return bits / bus.bitrate
+            frames, bits = frames + 1.0 / every, bits + FRAME_BITS[layout.codec.size] / every
+    return Traffic(frames, bits)
+
+
+def planned_load(links: Links, bus: Bus, period: float) -> float:
+    """Share of a bus that the traffic of its nodes takes at a cycle of `period` s, 0...1 and above."""
+    return planned_traffic(links, bus, period).bits / bus.bitrate

@@ -222,6 +222,27 @@ ONE_BUS_OFF = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="check terminators, cable and bit rate, then acknowledge (reset)",
 )
+NODE_DOUBLE = ErrorEntry(
+    303063,
+    "more than one node answers with node id {node} ({owner})",
+    remedy="give each node an id of its own: by its switches, or by tandem bus lss with only one of them connected",
+    source="CiA 301, boot-up",
+)
+FOREIGN_SYNC = ErrorEntry(
+    303064,
+    "somebody else sends SYNC on the bus{bus}: the drives take set-points over at wrong times",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="end the other master, and configure no node as SYNC producer (bit 30 of object 0x1005), then reset",
+    source="CiA 301, SYNC",
+)
+BUS_FLOODED = ErrorEntry(
+    303065,
+    "more frames come from the bus{bus} than a cycle can take, for longer than the heartbeat timeout: nobody can be watched",
+    severity=Severity.FATAL,
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="find the node that sends without end (candump shows its identifier), then acknowledge (reset)",
+)
 BUS_WAITS = ErrorEntry(
     303062,
     "the bus{bus} came back {code} times by itself; now it stays off until it is acknowledged",
