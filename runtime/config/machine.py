@@ -182,6 +182,8 @@ class Bus(Model):
     interface: Literal["socketcan", "virtual", "udp_multicast"] = "socketcan"
     channel: str = "can0"
     bitrate: int = Field(default=1_000_000, gt=0)
+    fd: bool = False  # frames in the format of CAN FD with a faster data phase; the protocol stays that of CiA 301
+    data_bitrate: int = Field(default=4_000_000, gt=0)  # of the data phase
     options: dict[str, Option] = Field(default_factory=dict)  # handed to python-can as they are
     master_node: int = Field(default=127, ge=1, le=127)
     heartbeat: Seconds = 0.1  # producer time of the master and the nodes

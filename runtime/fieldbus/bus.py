@@ -40,6 +40,8 @@ INTERFACES: Final[dict[str, Callable[..., can.BusABC]]] = {
 }
 SIOCGIFFLAGS: Final = 0x8913
 INTERFACE_UP: Final = 0x1
+SIOCGIFMTU: Final = 0x8921
+CANFD_MTU: Final = 72  # bytes of a struct canfd_frame
 _MULTICAST_ONLY = (catalogue.BUS_NO_MULTICAST,)
 _NO_GROUP = (errno.ENODEV, errno.ENXIO, errno.ENETDOWN)  # of a group: there is no interface that it could be joined on
 
@@ -54,11 +56,14 @@ def open_bus(config: Bus) -> can.BusABC:
         raise _problem(catalogue.BUS_BAD_OPTION, config, reason, options=", ".join(unknown))
     if config.interface == "udp_multicast":
         _check_group(config)
+    options: dict[str, object] = dict(config.options)
     try:
         # binding to an interface that is down succeeds; its flags tell
         if config.interface == "socketcan" and not _interface_flags(config.channel) & INTERFACE_UP:
             raise OSError(errno.ENETDOWN, "the interface is down")
-        bus = interface(config.channel, **config.options)
+        if config.fd:
+            options |= _fd_options(config)
+        bus = interface(config.channel, **options)
     except (TypeError, ValueError, socket.gaierror) as error:
         raise _problem(catalogue.BUS_BAD_OPTION, config, str(error), options=str(config.options)) from error
     except (can.CanError, OSError) as error:
@@ -106,6 +111,25 @@ def _interface_flags(channel: str) -> int:
         request = struct.pack("16sh14x", channel.encode()[:15], 0)
         flags: int = struct.unpack("16sh14x", fcntl.ioctl(probe, SIOCGIFFLAGS, request))[1]
     return flags
+
+
+def _fd_options(config: Bus) -> dict[str, object]:
+    """What makes the interface take frames of CAN FD. Raises FieldbusError if it cannot."""
+    if config.interface == "virtual":
+        return {"protocol": can.CanProtocol.CAN_FD}
+    if config.interface == "socketcan":
+        if _interface_mtu(config.channel) < CANFD_MTU:
+            raise _problem(catalogue.BUS_NO_FD, config, "its frames are classic ones")
+        return {"fd": True}
+    return {}  # CAN over multicast carries frames of any kind
+
+
+def _interface_mtu(channel: str) -> int:
+    """Greatest frame of a network interface, bytes; raises OSError."""
+    with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as probe:
+        request = struct.pack("16si12x", channel.encode()[:15], 0)
+        mtu: int = struct.unpack("16si12x", fcntl.ioctl(probe, SIOCGIFMTU, request))[1]
+    return mtu
 
 
 def _translate(config: Bus, error: Exception) -> FieldbusError:

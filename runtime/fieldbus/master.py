@@ -36,7 +36,7 @@ from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.io_exchange import IoExchange
 from runtime.fieldbus.leaving import stop_all
 from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
-from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, fill
+from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, as_fd, fill
 from runtime.fieldbus.outage import Outage
 from runtime.fieldbus.questions import Questions
 from runtime.fieldbus.rejoin import Rejoin
@@ -91,7 +91,8 @@ class CanopenMaster:
         self._now = now
         self._wall_clock = wall_clock
         self._idle = idle
-        self._network = PolledNetwork(bus)
+        self._network = PolledNetwork(bus, fd=self._config.fd)
+        self._frame_bits = wire.frame_bits(self._config)
         self._links: Links = []
         self._drives: list[DriveLink] = []
         self._table: dict[int, Receiver] = {}
@@ -325,9 +326,11 @@ class CanopenMaster:
             self._bus_failed(error)
 
     def _send(self, message: can.Message) -> None:
+        if self._config.fd:
+            as_fd(message)
         self._bus.send(message)
         self.image.frames_sent += 1
-        self._bits += wire.FRAME_BITS[len(message.data)]
+        self._bits += self._frame_bits[len(message.data)]
 
     def _receive(self) -> bool:
         """Hand every frame that has come to its receiver; False if more may be waiting. Raises can.CanError."""
@@ -344,7 +347,7 @@ class CanopenMaster:
             data = message.data
             if message.is_extended_id or message.is_remote_frame or data is None or len(data) > 8:
                 continue
-            self._bits += wire.FRAME_BITS[len(data)]
+            self._bits += self._frame_bits[len(data)]
             receiver = table.get(message.arbitration_id)
             if receiver is not None:
                 receiver(data)

@@ -26,6 +26,11 @@ def fill(message: can.Message, data: bytes) -> None:
     message.data = data  # type: ignore[assignment]
 
 
+def as_fd(message: can.Message) -> None:
+    """Make it a frame of CAN FD with the bit rate switch; a remote frame, which CAN FD has not, stays what it is."""
+    message.is_fd = message.bitrate_switch = not message.is_remote_frame
+
+
 class PeriodicFrame:
     """A frame sent every `period` seconds of the network's time; what canopen uses for heartbeats."""
 
@@ -46,9 +51,10 @@ class PeriodicFrame:
 class PolledNetwork(canopen.Network):
     """A canopen network on an open bus; nothing happens but in calls."""
 
-    def __init__(self, bus: can.BusABC) -> None:
+    def __init__(self, bus: can.BusABC, *, fd: bool = False) -> None:
         super().__init__(bus)
         self._open_bus = bus
+        self._fd = fd
         self._periodic: list[PeriodicFrame] = []
         self._time = 0.0
 
@@ -56,6 +62,8 @@ class PolledNetwork(canopen.Network):
         """Send at once. Raises can.CanError."""
         message = can.Message(arbitration_id=can_id, is_extended_id=False, is_remote_frame=remote, dlc=len(data))
         fill(message, bytes(data))
+        if self._fd:
+            as_fd(message)
         self._open_bus.send(message)
 
     def send_periodic(self, can_id: int, data: bytes, period: float, remote: bool = False) -> PeriodicFrame:  # type: ignore[override]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.diagnostics.catalogue import commissioning as errors
@@ -120,6 +120,7 @@ def test_concise_files_do_the_same(file: Path, tmp_path: Path) -> None:
 entries = st.lists(st.builds(Entry, st.integers(0, 0xFFFF), st.integers(0, 0xFF), st.binary(max_size=12)), max_size=8)
 
 
+@settings(deadline=None)
 @given(entries)
 def test_law_of_concise_files(wanted: list[Entry]) -> None:
     """Law: what was written is read; every file that is cut off anywhere, or too long, is refused."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.diagnostics.catalogue import fieldbus as catalogue
@@ -97,6 +97,7 @@ def test_what_has_no_meaning_is_refused_with_its_object(spoil: Callable[[str], s
     assert "axis X" in refusal.value.problem.text
 
 
+@settings(deadline=None)
 @given(
     st.lists(st.tuples(st.sampled_from("+-"), st.integers(0, 0x4000_0000), st.booleans()), max_size=4),
     st.integers(0, 4),
@@ -115,6 +116,7 @@ def test_law_of_formulas(terms: list[tuple[str, int, bool]], place: int) -> None
     assert line == f"DefaultValue=$NODEID+{total}"
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=400))
 def test_rubbish_is_read_or_refused(data: bytes) -> None:
     """Nothing but ValueError comes out of any bytes."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import canopen
 import pytest
 from canopen.objectdictionary import ODVariable, datatypes
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.fieldbus.described import DRIVE_EDS, eds_path
@@ -61,6 +61,7 @@ def variable(kind: int, access: str = "rw") -> ODVariable:
     return made
 
 
+@settings(deadline=None)
 @given(st.sampled_from(sorted(VALUE_RANGES)), st.integers(-(1 << 65), 1 << 65))
 def test_whole_numbers_are_written_within_their_type(kind: int, number: int) -> None:
     """Law: what fits is read back as written, what does not is refused."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import can
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.cli import bus as command
@@ -93,6 +93,7 @@ def test_units_of_the_factor_group() -> None:
     assert "NO CYCLIC MODE" in describe([drive(modes=0x01)], Bus(), {}, Path())
 
 
+@settings(deadline=None)
 @given(
     st.integers(1, 1 << 24), st.integers(1, 1000), st.integers(1, 1000), st.integers(1, 1000), st.floats(0.01, 360.0)
 )

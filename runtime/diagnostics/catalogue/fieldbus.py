@@ -43,6 +43,12 @@ BUS_BAD_OPTION = ErrorEntry(
     "the {interface} bus {channel} does not take the options {options}: {reason}",
     remedy="fieldbus.bus.options goes to python-can as it is; see its documentation of the interface",
 )
+BUS_NO_FD = ErrorEntry(
+    303008,
+    "CAN interface {channel} does not take frames of CAN FD: {reason}",
+    remedy="ip link set {channel} down; ip link set {channel} up type can bitrate {bitrate} dbitrate 4000000 fd on; "
+    "if the card has no CAN FD, set fd of the bus to false",
+)
 
 # -- what the machine description asks for, and cannot be ------------------------------------------------------------
 EDS_UNREADABLE = ErrorEntry(

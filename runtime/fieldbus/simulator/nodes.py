@@ -30,8 +30,8 @@ NODES_PER_BUS = 128
 class NodeNetwork(PolledNetwork):
     """A network that several nodes share; the frames of nodes in `silent`, known by the COB-ID, don't go out."""
 
-    def __init__(self, bus: can.BusABC) -> None:
-        super().__init__(bus)
+    def __init__(self, bus: can.BusABC, *, fd: bool = False) -> None:
+        super().__init__(bus, fd=fd)
         self.silent: set[int] = set()
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
@@ -48,9 +48,9 @@ def _motor_of(axis: Axis, drive: Drive, increments_per_unit: float) -> Motor:
 class SimulatedBus:
     """One bus and the nodes on it, by their node id at the start."""
 
-    def __init__(self, bus: can.BusABC) -> None:
+    def __init__(self, bus: can.BusABC, *, fd: bool = False) -> None:
         self.bus = bus
-        self.network = NodeNetwork(bus)
+        self.network = NodeNetwork(bus, fd=fd)
         self.nodes: dict[int, SimulatedNode] = {}
         self._now = 0.0
         self.network.subscribe(SYNC, self._on_sync)
@@ -111,7 +111,8 @@ class SimulatedNodes:
         encoders: EncoderFile | None = None,
     ) -> None:
         buses = bus if isinstance(bus, Mapping) else {"": bus}
-        self.buses = {name: SimulatedBus(opened) for name, opened in buses.items()}
+        configs = machine.fieldbus.all_buses()
+        self.buses = {name: SimulatedBus(opened, fd=configs[name].fd) for name, opened in buses.items()}
         self._encoders = encoders
         self._now = 0.0
         self._powered = False
