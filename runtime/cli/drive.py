@@ -269,6 +269,7 @@ def jog(
             f"it goes on for at most {way:.3g} {_unit(described)} when the key is let go",
             flush=True,
         )
+        keys.read()  # pressed before it was ready: moves nothing
         line = StatusLine()
         session.move(law, KeyHand(keys, DeadMan(dead_man)), _watch(line, described))
         line.close()
@@ -301,6 +302,7 @@ def tune(
             )
         print(f"{axis} from {ends[0]:g} to {ends[1]:g} {_unit(described)}; hold a key, q ends", flush=True)
         law = JogLaw(start, speed, described.acceleration, *ends)
+        keys.read()  # pressed before it was ready: moves nothing
         line = StatusLine()
         hand: Hand = Swing(KeyHand(keys, DeadMan(dead_man), any_key=True), *ends)
         session.move(law, hand, _watch(line, described, samples))
