@@ -19,6 +19,7 @@ from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.simulator import Fault
 from runtime.fieldbus.simulator.drive import SimulatedDrive
 from runtime.fieldbus.simulator.nodes import NodeNetwork
+from runtime.fieldbus.simulator.servo import Motor
 from tests.fieldbus.rig import Rig, demo_description
 from tests.fieldbus.test_operation import ENABLED, Failing, X, Y, ids
 from tests.fieldbus.test_rejoin import back
@@ -41,7 +42,9 @@ class Twin:
         self.network = NodeNetwork(self.bus)
         servo = rig.machine.axes[Y].drive
         assert servo is not None
-        self.drive = SimulatedDrive(2, eds_path(None, DRIVE_EDS), self.network, servo.simulated)
+        self.drive = SimulatedDrive(
+            2, eds_path(None, DRIVE_EDS), self.network, servo.simulated, 0.0, Motor(INCREMENTS, 8_000.0 * INCREMENTS)
+        )
         step = rig.simulated.step
 
         def step_both(now: float) -> None:
