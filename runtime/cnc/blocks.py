@@ -816,6 +816,14 @@ class SearchArea:
 
 
 @dataclass(frozen=True, slots=True)
+class DistanceMark:
+    """#DIST TO GO: the section begins or ends for which the PLC is told what every axis has still to go."""
+
+    source: Source
+    begins: bool
+
+
+@dataclass(frozen=True, slots=True)
 class OptionalSection:
     """#OPTIONAL EXECUTION: a section begins or ends that is left out backward and in simulated motion.
 
@@ -900,6 +908,7 @@ Block = (
     | TakeOver
     | PathRestart
     | OptionalSection
+    | DistanceMark
     | ClearStorage
     | SearchMark
     | SearchArea

@@ -28,6 +28,7 @@ from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
 from runtime.cnc.block_search import GATES as SEARCH_GATES
 from runtime.cnc.block_search import BlockSearching
 from runtime.cnc.delete_distance import DeleteDistance
+from runtime.cnc.distance_display import DistanceDisplay
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.interpolator.path_storage import skipped
 from runtime.cnc.job_records import read_job
@@ -167,6 +168,7 @@ class Channel:
         self._influence = influence or OperatorInfluence()
         self.backward = backward or BackwardMotion(interpolator, 0, RepeatedStops())
         self._section = SkippedSection(interpolator)
+        self._distance = DistanceDisplay(interpolator, area.status)
         self._asked_on = False  # the operator has said continue, and an axis is still on its way
         self._window = window
         self.beside = beside
@@ -295,6 +297,7 @@ class Channel:
         if not self._came_to_end:
             self.jobs.stop()
         self.search.end(reached=self._came_to_end)
+        self._distance.end()
         self._show_stop_mark(None)
         self._drops = drop
         self.phase = Phase.CLEARING
@@ -364,6 +367,8 @@ class Channel:
         self.functions.travel = self._travel(inputs)
         if inputs.delete_distance and self.phase is Phase.RUNNING and not again:
             self._delete_distance.order()
+            if self._distance.active:
+                self._warn_of_distance(machine.DISTANCE_WRONG)
         if self._delete_distance.holds:
             stop |= _DELETE_DISTANCE
         before = self.stop_before
@@ -410,6 +415,8 @@ class Channel:
             for index in passed:
                 self._pass(index)
             backward.follow()
+        if self._distance.step(backward=backward.backward, replaying=again):
+            self._warn_of_distance(machine.DISTANCE_LATE)
         self.search.follow(path.path_position, path.line, path.n)
         if not again:
             self.functions.look_ahead(held=held or stands)
@@ -419,7 +426,10 @@ class Channel:
                 self._trace_blocks(passed)
         elif backward.at_begin:
             stop |= _BACKWARD_END
+        gate = path.gate
         stop |= self._gate(inputs, pressed)
+        if gate >= 0 and path.gate < 0 and not inputs.single_block:
+            path.open_steps(gate)
         if self.phase is Phase.RUNNING and not again:
             self._delete_distance.step()
         if path.apart and self.phase is Phase.RUNNING and not self._delete_distance.explains_gap:
@@ -532,7 +542,7 @@ class Channel:
                 return _NONE
             return _WAIT_TECHNOLOGY if self.functions.plc_owes(gate) else _WAIT_SPINDLE
         if gate.reason is GateReason.STEP and not inputs.single_block:
-            path.open_steps()
+            path.open_gate()
             return _NONE
         if gate.reason is GateReason.STOP_MARK and not self._stops_at(gate, inputs):
             path.open_gate()
@@ -777,6 +787,10 @@ class Channel:
                     self.jobs.order(read_job(self.queue, index), locked=self.locked)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
+            elif record.action is ActionKind.DISTANCE_BEGIN:
+                self._distance.begin(index)
+            elif record.action is ActionKind.DISTANCE_END:
+                self._distance.end()
             elif record.action in _WITHOUT_EFFECT:
                 return
             elif record.action is ActionKind.SEARCH_PLACE:
@@ -787,6 +801,10 @@ class Channel:
                 self.actions.carry_out(record, place)
 
     # ------------------------------------------------------------------ events
+
+    def _warn_of_distance(self, entry: ErrorEntry) -> None:
+        path = self.interpolator
+        self.problems.append(Problem(entry, {}, Place(self.queue.program_name(path.program), max(path.line, 0))))
 
     def _tell_message(self, message: Told) -> None:
         self._event(

@@ -102,6 +102,8 @@ class ActionKind(IntEnum):
     MANUAL_PARAMETER = 21
     OPTIONAL_ON = 22  # #OPTIONAL EXECUTION: a section that may be left out begins
     OPTIONAL_OFF = 23
+    DISTANCE_BEGIN = 26  # #DIST TO GO
+    DISTANCE_END = 27  # `end`: what every axis travels in the section
     NOTHING = 25  # was something that is left out
     CLEAR_STORAGE = 24  # #BACKWARD STORAGE CLEAR
     SEARCH_PLACE = 30  # the program goes on here after a block search

@@ -812,6 +812,7 @@ class ChannelStatus(c.Structure):
         ("techno_time_to_go_r", c.c_uint32),  # µs, the same; 4294967295: not to be foreseen
         ("path_way_r", c.c_uint32),  # PathWay
         ("path_kept_r", c.c_uint32),  # records that can be driven backward
+        ("dist_to_geom_end_r", c.c_int64 * MAX_CHANNEL_AXES),  # 0.1 µm, of each axis to the end of #DIST TO GO
         ("is_stopped_r", c.c_bool),  # at a mark of #STOP REVERSIBLE
         ("stop_user_value_r", c.c_uint32),  # its USR_VAL
         ("block_search_state_r", c.c_uint32),  # SearchState

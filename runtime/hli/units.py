@@ -27,6 +27,7 @@ FACTORS: dict[str, float] = {
     "position_lag_r": LENGTH,
     "path_position_r": LENGTH,
     "way_r": LENGTH,
+    "dist_to_geom_end_r": LENGTH,
     "begin_r": LENGTH,
     "return_feed": SPEED,
     "covered": PERCENT,

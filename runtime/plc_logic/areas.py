@@ -387,6 +387,11 @@ class ChannelPort(_Area):
         return _SEARCH_STATES[self._status.block_search_state_r]
 
     @property
+    def distance_to_geometry_end(self) -> tuple[float, ...]:
+        """What each axis of the channel has still to go within #DIST TO GO, mm or degrees; 0 outside, and until it is known."""
+        return tuple(self._status.dist_to_geom_end_r[k] * LENGTH for k in range(self._channel.axis_count_r))
+
+    @property
     def waits_for_continue(self) -> bool:
         value: bool = self._status.wait_continue_r
         return value

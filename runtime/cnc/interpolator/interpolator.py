@@ -277,12 +277,9 @@ class Interpolator:
             self._i[c.GATE_INDEX] = -1
             self._i[c.AT_GATE] = 0
 
-    def open_steps(self) -> None:
-        """Open the present `gate`, and those behind it that are the ends of steps too, up to the next gate of another reason."""
-        if self._i[c.GATE_INDEX] < 0:
-            return
-        last = c.last_step(self.queue.records, self.queue.written, int(self._i[c.GATE_INDEX]))
-        self.open_gate()
+    def open_steps(self, gate: int) -> None:
+        """Open the ends of steps behind `gate`, which was just opened, up to the next gate of another reason."""
+        last = c.last_step(self.queue.records, self.queue.written, gate + 1)
         self._i[c.OPENED] = max(int(self._i[c.OPENED]), last)
 
     # ------------------------------------------------------------------ state

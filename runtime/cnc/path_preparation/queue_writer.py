@@ -25,6 +25,7 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     ClearStorage,
+    DistanceMark,
     Dwell,
     DynamicsChange,
     ExactStop,
@@ -68,6 +69,7 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomials import MAP
 from runtime.cnc.job_records import write_job, write_wait
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
+from runtime.cnc.path_preparation.axis_travel import axis_travel
 from runtime.cnc.path_preparation.beside_path import PathShare, beside_path
 from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
@@ -196,6 +198,7 @@ class QueueWriter:
         self._done = 0
         self._postponed: Block | None = None  # waits for room for its text
         self._flushing = False
+        self._travelled: Floats | None = None  # by each axis since #DIST TO GO BEGIN
         self._plc_messages = 0
 
     def pump(self, blocks: Iterator[Block], budget: int = 1000) -> PumpState:
@@ -246,6 +249,8 @@ class QueueWriter:
             return False
         self._tables = None
         self._pending, self._done = self._records(block), 0
+        if self._travelled is not None:
+            self._travelled += axis_travel(block)
         self._mark(self._pending, block)
         return True
 
@@ -362,6 +367,12 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.STOP_MARK
                 record["number"], record["value"] = block.level, block.user
                 record["offset"] = stop_mark_ways(block)
+            case DistanceMark():
+                record["kind"] = RecordKind.ACTION
+                record["action"] = ActionKind.DISTANCE_BEGIN if block.begins else ActionKind.DISTANCE_END
+                if self._travelled is not None:
+                    record["end"][0, : self._axes] = self._travelled
+                self._travelled = np.zeros(self._axes) if block.begins else None
             case ClearStorage():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.CLEAR_STORAGE
             case OptionalSection():

@@ -201,3 +201,17 @@ SECTION_WAITS = ErrorEntry(
     remedy="a section that is left out in simulated motion has to fit into the motion queue, and nothing in it may wait for the "
     "machine (#FLUSH WAIT, synchronous variables, G74, G200)",
 )
+DISTANCE_WRONG = ErrorEntry(
+    51047,
+    "a distance to go was deleted within #DIST TO GO: what is shown to the end of the section is too much",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    source="programming manual, line 18455",
+)
+DISTANCE_LATE = ErrorEntry(
+    51048,
+    "the motion queue is shorter than the section of #DIST TO GO: nothing is shown until its end is known",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    source="programming manual, line 18462",
+)

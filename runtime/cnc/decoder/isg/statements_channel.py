@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Flush, FlushKind, SearchArea
+from runtime.cnc.blocks import DistanceMark, Flush, FlushKind, SearchArea
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.language.isg.syntax import Form
@@ -39,3 +39,13 @@ def search_locked(x: Execution, call: StatementCall) -> None:
 @statement("BLOCKSEARCH RELEASED", "hli.ch.cu.block-search")
 def search_released(x: Execution, call: StatementCall) -> None:
     x.emit(SearchArea(x.source, False))
+
+
+@statement("DIST TO GO BEGIN", "isg.add.dist-to-go")
+def distance_begins(x: Execution, call: StatementCall) -> None:
+    x.emit(DistanceMark(x.source, True))
+
+
+@statement("DIST TO GO END", "isg.add.dist-to-go")
+def distance_ends(x: Execution, call: StatementCall) -> None:
+    x.emit(DistanceMark(x.source, False))
