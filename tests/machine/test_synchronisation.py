@@ -10,6 +10,7 @@ import pytest
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.events import Event, EventKind
+from runtime.scheduler import simulation
 from runtime.scheduler.simulation import Result, Simulation
 from tests.machine.scripted_plc import Key, ScriptedPlc
 
@@ -116,7 +117,10 @@ def test_in_front_of_the_motion_only_mvs_svs_is_waited_for(machine: Machine, pro
     assert run.standing_at(200.0) <= 0.002
 
 
-def test_never_acknowledged_the_path_stands_and_says_what_it_waits_for(machine: Machine, program: Write) -> None:
+def test_never_acknowledged_the_path_stands_and_says_what_it_waits_for(
+    machine: Machine, program: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "STANDING_LIMIT", 5.0)
     run = Run(machine, program(moves(SYNCH["MVS_SVS"])), {(M, SYNCH["MVS_SVS"]): None})
     assert not run.result.good
     assert "WAIT_TECHNOLOGY" in run.result.problems[0]

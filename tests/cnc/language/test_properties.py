@@ -69,7 +69,7 @@ def test_functions_in_expressions(term: Term) -> None:
     "isg.flow.continue",
     "isg.sub.local-call",
 )
-@settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=80, suppress_health_check=[HealthCheck.too_slow])  # each is a program of many blocks
 @given(programs(frozenset(Statement)), st.lists(st.integers(0, 99), max_size=20))
 def test_nested_flow_runs_as_the_manual_tells(program: Program, dress: list[int]) -> None:
     try:
