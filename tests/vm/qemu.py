@@ -166,7 +166,8 @@ def kernel_cache() -> Path:
 def base_command(kernel: parts.Kernel, folder: Path) -> list[str]:
     """QEMU with the kernel and two Kvaser cards (SJA1000) on one wire, its serial line into `folder`."""
     return [
-        "qemu-system-x86_64", "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=on", "-cpu", "max", "-smp", str(PROCESSORS),
+        "qemu-system-x86_64", "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=on",
+        "-cpu", "max", "-smp", str(PROCESSORS),
         "-m", str(MEMORY_MB), "-display", "none", "-monitor", "none", "-parallel", "none", "-no-reboot", "-nic", "none",
         "-serial", f"file:{folder / 'serial.txt'}",
         "-kernel", str(kernel.image), "-initrd", str(folder / "initramfs"),
