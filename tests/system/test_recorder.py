@@ -10,7 +10,7 @@ from runtime.cli import main as cli
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.catalogue import plc
 from runtime.hli.layout import State
-from tests.system.conftest import RunningMachine
+from tests.system.running_machine import RunningMachine
 
 
 def test_a_run_with_a_killed_plc_is_saved_and_replayed(machine: RunningMachine, tmp_path: Path) -> None:
