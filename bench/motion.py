@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -16,11 +17,11 @@ from toppra.algorithm import TOPPRA
 
 from bench.figure import Figure
 from bench.stopwatch import as_in_the_cycle, distribution
-from runtime.cnc.blocks import Block, Line, Polyline, Source
+from runtime.cnc.blocks import Block, ContourChange, Contouring, Line, Polyline, Polynomials, Source
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import PumpState, QueueWriter
+from runtime.cnc.path_preparation import PumpState, QueueWriter, smooth
 from runtime.kernels import warm_up
 
 Floats = npt.NDArray[np.float64]
@@ -76,8 +77,11 @@ def polyline(points: Floats, feed: float) -> Polyline:
     return Polyline("bench", points, np.full(k, feed * 60.0), np.arange(k), np.full(k, -1), points[0] * 0.0)
 
 
-def bound(points: Floats, feed: float, begin: float = 0.0, end: float = 0.0) -> float:
-    """Least time, s, over the curve through points (k + 1, n), its length as parameter, from speed `begin` to `end`."""
+def bound(points: Floats, feed: float, begin: float = 0.0, end: float = 0.0, *, between: bool = True) -> float:
+    """Least time, s, over the curve through points (k + 1, n), its length as parameter, from speed `begin` to `end`.
+
+    `between`: the limits are watched in the middle between the points, too.
+    """
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     path = SplineInterpolator(s, np.column_stack([points, s]))  # the length as one more axis: its speed is the feed
     n = points.shape[1]
@@ -87,7 +91,7 @@ def bound(points: Floats, feed: float, begin: float = 0.0, end: float = 0.0) -> 
         constraint.JointVelocityConstraint(np.stack([-most, most], axis=1)),
         constraint.JointAccelerationConstraint(np.stack([-hardest, hardest], axis=1)),
     ]
-    grid = np.sort(np.concatenate([s, 0.5 * (s[1:] + s[:-1])]))
+    grid = np.sort(np.concatenate([s, 0.5 * (s[1:] + s[:-1])])) if between else s
     speeds = TOPPRA(limits, path, gridpoints=grid).compute_parameterization(begin, end)[1]
     if speeds is None:
         raise RuntimeError("no time-optimal parameterisation")
@@ -124,12 +128,46 @@ def surface(moves: int) -> Floats:
     return points
 
 
+def spiral(turns: int, pitch: float) -> Floats:
+    """Corners of a square spiral whose sides grow by `pitch` mm twice in a turn."""
+    sides = pitch * (1 + np.arange(4 * turns) // 2)
+    way = sides[:, None] * np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]] * turns)
+    corners: Floats = np.vstack([np.zeros(3), np.cumsum(way, axis=0)])
+    return corners
+
+
+def contoured(corners: Floats, feed: float, deviation: float) -> list[Block]:
+    """Straight moves at `feed` mm/s with G261."""
+    source = Source("bench", 1)
+    moves = [Line(source, a, b, feed * 60.0, False, b) for a, b in pairwise(corners)]
+    return list(smooth([ContourChange(source, Contouring(deviation=deviation)), *moves], axis_limits()))
+
+
+def places(blocks: list[Block], longest: float) -> Floats:
+    """Points (k, n) of smoothed moves, no further apart than `longest` mm on lines and 0.01 mm on curves."""
+    found: list[Floats] = []
+    for block in blocks:
+        if isinstance(block, Polynomials):
+            pieces = [(c, 0.01) for c in block.coefficients]
+        else:
+            ends = block.points if isinstance(block, Polyline) else np.stack([block.start, block.end])  # type: ignore[attr-defined]
+            pieces = [(np.stack([a, b - a]), longest) for a, b in pairwise(ends)]
+        for c, step in pieces:
+            count = int(np.ceil(np.abs(c[1:]).sum() / step))
+            u = np.arange(1, count + 1) / count
+            found.append((u[:, None] ** np.arange(len(c))) @ c)
+    return np.vstack([np.zeros((1, found[0].shape[1])), *found])
+
+
 def _part_times() -> list[Figure]:
     curve, rows = trial_curve(), surface(SURFACE_LINES)
+    blocks = contoured(spiral(5, 10.0), 100.0, 0.05)
+    smoothed_bound = bound(places(blocks, 0.05)[:, :2], 100.0, between=False)
     cases: list[tuple[str, list[Block], Floats, float, float]] = [
         ("858 mm curve, 150 mm/s", [polyline(curve, 150.0)], curve[0], bound(curve, 150.0), 1.03),
         ("858 mm curve, unlimited", [polyline(curve, UNLIMITED)], curve[0], bound(curve, UNLIMITED), 1.03),
         ("finishing pass, 20 000 lines", [polyline(rows, 100.0)], rows[0], bound_with_corners(rows, 100.0), 1.05),
+        ("square spiral, G261 0.05 mm, sides 10…100 mm", blocks, ZERO, smoothed_bound, 1.10),
     ]
     return [
         Figure(f"time against TOPP-RA, {name}", run(path, start, axis_limits()).seconds / least, "", limit)

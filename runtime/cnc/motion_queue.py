@@ -125,6 +125,10 @@ RECORD = np.dtype(
         ("a_limit", "f8"),
         ("j_limit", "f8"),
         ("v_entry", "f8"),  # greatest path velocity over the corner between the element before and this one
+        (
+            "a_entry",
+            "f8",
+        ),  # braking with no more than that the path may accelerate with as much from there on; 0: a goes on
         ("block_end", "i8"),  # 1: an NC block ends with this element (segment of a polyline)
         # ARC
         ("axis0", "i8"),

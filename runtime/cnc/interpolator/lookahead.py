@@ -186,6 +186,14 @@ def collect(
                     if slowest_corner < top and slowest_corner < fastest:
                         kind[count], d[count], x[count], zone[count] = SPEED, way, slowest_corner, here
                         A[count], J[count] = A_least, J_least
+                        B[count] = min(r["a_entry"], min(A_least, r["a_limit"])) if slowest_corner > 0.0 else 0.0
+                        if B[count] > 0.0:  # behind it the path may be faster at once
+                            slowest_corner = np.inf
+                            if here == 0 and B[count] > a_top and way <= 2.0 * v_top * period:
+                                a_top = B[count] + J_least * period
+                                v_top = v_most = v_most + a_top * period
+                                top = v_top + a_top * a_top / (2.0 * J_least)
+                                need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                         count += 1
                 sharp = r["a_limit"] < SHARP * A_least or r["j_limit"] < SHARP * J_least
                 if r["a_limit"] < A_least or r["j_limit"] < J_least:
@@ -312,11 +320,12 @@ def yield_to_lower(
                 break
         if kind[i] == PLACE or kind[i] == FEED or x[i] == 0.0:
             continue
+        least = 0.0 if kind[i] == SPEED else B[i]
         if (
             slack(kind[i], d[i], x[i], A[i], J[i], B[i], v, a, period) < -1e-8
-            and slack(kind[i], d[i], 0.0, A[i], J[i], B[i], v, a, period) >= -1e-8
+            and slack(kind[i], d[i], 0.0, A[i], J[i], least, v, a, period) >= -1e-8
         ):
-            x[i] = 0.0
+            x[i], B[i] = 0.0, least
             as_they_were = False
     return as_they_were
 

@@ -143,6 +143,7 @@ def put(
     if out["kind"] == _AHEAD:
         out["kind"] = _FUNCTION
     if r["kind"] <= _POLYNOMIAL:
+        out["a_entry"] = 0.0
         if backward:
             for k in range(n):
                 out["start"][k], out["end"][k] = r["end"][k], r["start"][k]

@@ -30,6 +30,7 @@ LINE, ARC, POLYNOMIAL, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4, 5  # motion up
 
 AT_BORDER = 1e-9  # mm: a piece that begins so near to a border begins at it
 NEAR = 1e-7  # mm: standing so near to a gate is standing at it
+LEAP_AT = 2e-7  # mm: so near to a corner the acceleration may jump in it
 ROUNDING_V, ROUNDING_A = 1e-6, 1e-5  # shares of the limits
 ROUNDING_J = 0.002  # of the change of acceleration that the jerk allows in one cycle
 
@@ -50,6 +51,17 @@ def add(plan: Floats, rows: int, t: float, jerk: float, s: float, v: float, a: f
         return rows
     plan[rows - 1, JERK_AT] = jerk
     plan[rows, TIME] = plan[rows - 1, TIME] + t
+    plan[rows, WAY], plan[rows, SPEED_AT], plan[rows, ACCELERATION_AT], plan[rows, JERK_AT] = s, v, a, 0.0
+    return rows + 1
+
+
+@kernel
+def leap(plan: Floats, rows: int, s: float, v: float, a: float) -> int:
+    """Let the acceleration jump to `a`: a piece without time; returns the number of rows."""
+    if rows >= plan.shape[0]:
+        return rows
+    plan[rows - 1, JERK_AT] = 0.0
+    plan[rows, TIME] = plan[rows - 1, TIME]
     plan[rows, WAY], plan[rows, SPEED_AT], plan[rows, ACCELERATION_AT], plan[rows, JERK_AT] = s, v, a, 0.0
     return rows + 1
 
@@ -146,10 +158,16 @@ def keeps_limits(
     if r["kind"] > POLYNOMIAL:
         return bool(end <= 0.0)
     border = r["length"] - s_in
+    leapt = 0.0  # greatest acceleration of a jump in the corner that comes
     for row in range(last):
         s, v, a, jerk = plan[row, WAY], plan[row, SPEED_AT], plan[row, ACCELERATION_AT], plan[row, JERK_AT]
         time = plan[row + 1, TIME] - plan[row, TIME]
         s1, v1, a1 = plan[row + 1, WAY], plan[row + 1, SPEED_AT], plan[row + 1, ACCELERATION_AT]
+        if time == 0.0:
+            if abs(s - border) > LEAP_AT or abs(s1 - s) > LEAP_AT or v1 != v or a > 0.0:
+                return False
+            leapt = max(leapt, max(abs(a), abs(a1)))
+            continue
         if not is_motion(s, v, a, jerk, time, s1, v1, a1):
             return False
         t0, v0, a0 = 0.0, v, a
@@ -173,6 +191,9 @@ def keeps_limits(
             # at a corner with standstill 1e-9 mm are already some 1e-4 mm/s: v = ∛J (6 s)^⅔ / 2
             if v0 > r["v_entry"] + ROUNDING_V and v0 > 0.5 * r["j_limit"] ** (1.0 / 3.0) * 3e-4:
                 return False
+            if leapt > r["a_entry"] * (1.0 + ROUNDING_A):
+                return False
+            leapt = 0.0
             border += r["length"]
         if not part_keeps(r, jerk, time - t0, v0, a0, v1, a1, period):
             return False

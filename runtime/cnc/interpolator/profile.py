@@ -6,7 +6,7 @@ there:
       v ▲            NOW: the speed wanted at this moment (feed × override, 0 in feed hold); d = 0
         │ ─────╮
         │       ╲    SPEED: at d the path velocity must not exceed x (corner); SLOWER: from d on; FEED: it should not
-        │        ╲___o
+        │        ╲___o          in a corner the acceleration may jump up to B: braking there ends with B, not with 0
         │             ╲   STOP: at d the path stands (closed gate, end of what is known)
         └──────────────●──▶ s          REDUCE: at d the acceleration must not exceed x (an element with less of it)
 
@@ -36,7 +36,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.plan import ACCELERATION_AT, SPEED_AT, WAY, add
+from runtime.cnc.interpolator.plan import ACCELERATION_AT, SPEED_AT, WAY, add, leap
 from runtime.kernels import kernel
 
 Floats = npt.NDArray[np.float64]
@@ -48,6 +48,7 @@ NOW, SPEED, STOP, REDUCE, SLOWER, FEED, BORDER, PLACE = 0, 1, 2, 3, 4, 5, 6, 7
 TOLERANCE = 1e-11  # mm of slack taken as zero
 STEPS = 32  # pieces of one cycle; a few are used
 ARRIVED = 1e-7  # mm: standing so near to a stop is standing on it
+AT_CORNER = 1e-7  # mm: so near to a corner the path is in it
 NEVER = 1e30
 
 
@@ -92,6 +93,39 @@ def brake_distance(v: float, a: float, target: float, A: float, J: float) -> flo
 
 
 @kernel
+def corner_distance(v: float, a: float, x: float, most: float, A: float, J: float) -> float:
+    """Way until velocity `x` < v is reached, braking with at most A and J and at the end with at most `most` ≤ A."""
+    way = 0.0
+    if a > 0.0:
+        way = reduce_distance(v, a, 0.0, J)
+        v += a * a / (2.0 * J)
+        a = 0.0
+    if -a > A:
+        t = (-a - A) / J
+        way += v * t + a * t * t / 2.0 + J * t * t * t / 6.0
+        v += a * t + J * t * t / 2.0
+        a = -A
+    if v <= x + max(a * a - most * most, 0.0) / (2.0 * J):  # nothing but taking back is left
+        t = max(-a - most, 0.0) / J
+        return way + v * t + a * t * t / 2.0 + J * t * t * t / 6.0
+    drop = v + a * a / (2.0 * J) - x
+    peak = math.sqrt(2.0 * drop * J)
+    back, hold = 0.0, 0.0
+    if peak > most:
+        peak = math.sqrt(drop * J + most * most / 2.0)
+        if peak > A:
+            hold = (drop + most * most / (2.0 * J)) / A - A / J
+            peak = A
+        back = (peak - most) / J
+    t = (peak + a) / J
+    way += v * t + a * t * t / 2.0 - J * t * t * t / 6.0
+    v += a * t - J * t * t / 2.0
+    way += v * hold - peak * hold * hold / 2.0
+    v -= peak * hold
+    return way + v * back - peak * back * back / 2.0 + J * back * back * back / 6.0
+
+
+@kernel
 def time_to(way: float, v: float, a: float, jerk: float, most: float) -> float:
     """Time at which `way` has just been covered; at `most` it has."""
     low, high = 0.0, most
@@ -123,7 +157,8 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
     """How far the state is from having to react to a constraint, mm; negative: it can't be met any more.
 
     Where the velocity stays below x anyway, or the acceleration below x, the slack is made of what is missing to x
-    (times the period), so that it reaches zero together with it. `B` is the jerk behind d (SLOWER) or at present (NOW).
+    (times the period), so that it reaches zero together with it. `B` is the jerk behind d (SLOWER) or at present (NOW), or
+    the acceleration that may jump at d (SPEED).
     """
     if kind == REDUCE:
         if a <= x:
@@ -145,6 +180,8 @@ def slack(kind: int, d: float, x: float, A: float, J: float, B: float, v: float,
         if kind == BORDER and a > 0.0:
             return d  # over it without acceleration
         return max(d, 0.0) + (x - top) * period
+    if kind == SPEED and B > 0.0:
+        return d - corner_distance(v, a, x, B, A, J)
     return d - brake_distance(v, a, x, A, J)
 
 
@@ -163,6 +200,11 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: flo
         return J, (-a - A) / J
     drop = v - x
     release = a * a / (2.0 * J)
+    most = B if kind == SPEED else 0.0
+    if most > 0.0:
+        if drop > 1e-9 and drop + release <= most * most / (2.0 * J):
+            return -J, (math.sqrt(a * a + 2.0 * J * drop) + a) / J
+        drop += most * most / (2.0 * J)
     if drop > release + 1e-9:
         A = max(A, -a)  # rounding
         whole = drop + release
@@ -176,7 +218,9 @@ def reaction(kind: int, d: float, x: float, A: float, J: float, B: float, v: flo
             t = (drop - release) / A
             if t > 1e-10:
                 return 0.0, t
-    if a < 0.0:
+    if a < -most:
+        return J, (-a - most) / J
+    if a < 0.0 and d <= 0.0:
         return J, -a / J
     if (kind == SPEED or kind >= SLOWER) and v > 1e-9:
         return 0.0, (max(d, 0.0) + TOLERANCE) / v  # over the place, then it is behind
@@ -206,6 +250,52 @@ def is_safe(
 
 
 @kernel
+def leap_to(
+    at: int, count: int, kind: Ints, d: Floats, x: Floats, A: Floats, J: Floats, B: Floats, state: Ints,
+    v: float, a: float, up: float, period: float,
+) -> float:  # fmt: skip
+    """To what the acceleration jumps in the corner of constraint `at`: as high as everything ahead allows, `a` at least."""
+    if v > x[0]:  # braking for its own sake goes on, as far as it can still be taken back
+        jerk = J[0]
+        for i in range(1, count):
+            if kind[i] == REDUCE and d[i] <= d[at] + AT_CORNER:
+                jerk = min(jerk, A[i])
+        return max(a, -math.sqrt(2.0 * jerk * v) * (1.0 - 1e-9))
+    low, high = a, min(B[at], up)
+    if high <= low:
+        return a
+    for step in range(40):
+        middle = high if step == 0 else (low + high) / 2.0
+        safe = True
+        for i in range(count):
+            if i == at or state[i] == 0:
+                continue
+            if slack(kind[i], d[i] - d[at], x[i], A[i], J[i], B[i], v, middle, period) < 0.0:
+                safe = False
+                break
+        if safe:
+            low = middle
+            if step == 0:
+                break
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def leap_ahead(
+    count: int, kind: Ints, d: Floats, B: Floats, state: Ints, s: float, v: float, a: float, jerk: float
+) -> int:
+    """The watched corner in which the acceleration may jump and that is reached before `jerk` leads to standstill, 0: none."""
+    t = (-a - math.sqrt(a * a - 2.0 * v * jerk)) / jerk
+    reach = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
+    for i in range(1, count):
+        if kind[i] == SPEED and B[i] > 0.0 and state[i] != 0 and s < d[i] < reach:
+            return i
+    return 0
+
+
+@kernel
 def watch_cycle(
     T: float, v: float, a: float, A_up: float, J_up: float,
     count: int, kind: Ints, d: Floats, x: Floats, A: Floats, J: Floats, B: Floats, state: Ints,
@@ -218,6 +308,14 @@ def watch_cycle(
         a_top = J_up * T
     v_top = v + max(a_top, 0.0) * T
     s_top = v_top * T
+    leap = 0.0
+    for i in range(1, count):
+        if kind[i] == SPEED and d[i] <= s_top + 1e-6:
+            leap = max(leap, B[i])
+    if leap > a_top:
+        a_top = leap + J_up * T
+        v_top = v + a_top * T
+        s_top = v_top * T
     for i in range(count):
         near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
         state[i] = 1 if near else 0
@@ -262,6 +360,14 @@ def drive(
             border += 1
         if T >= NEVER and v == 0.0 and a == 0.0:
             break
+        for i in range(1, count):
+            there = kind[i] == SPEED and state[i] != 0 and B[i] > 0.0 and -5e-10 < d[i] - s <= AT_CORNER
+            if there and v <= x[i] + 5e-7 and a <= 0.0 and -a <= B[i] * (1.0 + 1e-9):
+                state[i] = 0
+                a_then = leap_to(i, count, kind, d, x, A, J, B, state, v, a, A_up, period)
+                if a_then > a:
+                    s, a = d[i], a_then
+                    rows = leap(plan, rows, s, v, a)
         jerk, t = NEVER, NEVER
         crossed, braked_by_wish = False, False
         for i in range(count):
@@ -304,9 +410,13 @@ def drive(
         elif jerk >= 0.0 and a > A_up * 1.000001:
             jerk, t = -J_up, (a - A_up) / J_up
         if a < 0.0 and jerk > 0.0 and v > 0.0 and 2.0 * v * jerk < a * a:
-            # Braked with more jerk than is left here to take the braking back: a border came between. Not backwards.
-            jerk = a * a / (2.0 * v)
-            t = -a / jerk
+            corner = leap_ahead(count, kind, d, B, state, s, v, a, jerk)
+            if corner > 0:  # there the braking is taken back at once
+                t = min(t, time_to(d[corner] - s, v, a, jerk, -a / jerk))
+            else:
+                # Braked with more jerk than is left here to take the braking back: a border came between. Not backwards.
+                jerk = a * a / (2.0 * v)
+                t = -a / jerk
         t = min(t, left)
         if border < count:  # no further than to where less jerk is allowed
             reach = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0

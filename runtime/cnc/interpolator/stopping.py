@@ -111,6 +111,11 @@ def propose(
                 if d[i] < border:
                     way = brake_distance(v, a, 0.0, A[0], J[0])
         x[0] = 0.0
+        if a < 0.0 and 2.0 * v * J[0] < a * a:  # only in a corner where the acceleration may jump can it be taken back
+            for i in range(1, count):
+                if kind[i] == SPEED and B[i] > 0.0 and d[i] > s - 1e-6:
+                    way = max(way, d[i] - s + v * math.sqrt(2.0 * v / J[0]))
+                    break
         if s + way > border:
             A[0], J[0] = borders[1, 1], borders[1, 2]
             change = a * a / (2.0 * J[0])
@@ -120,6 +125,7 @@ def propose(
         for i in range(count):
             peak = v + a * a / (2.0 * J[i]) if a > 0.0 and kind[i] != NOW else v
             slow = (kind[i] == SPEED or kind[i] == SLOWER) and (x[i] < peak or a > 0.0)
+            slow = slow or (kind[i] == SPEED and B[i] > 0.0)
             less = kind[i] == REDUCE and a > x[i]
             watched = less or kind[i] == STOP or kind[i] == BORDER or slow
             state[i] = 1 if watched and kind[i] != FEED and s - 1e-6 < d[i] <= s + way + 1e-6 else 0

@@ -386,6 +386,7 @@ class DynamicLimits:
             there, _ = part.make(self._for_entry(other, part.curved) if differs else other)
             dynamics.v_entry[0] = min(dynamics.v_entry[0], there.v_entry[0])
             dynamics.v_corner[0] = min(dynamics.v_corner[0], there.v_corner[0])
+            dynamics.a_entry[0] = min(dynamics.a_entry[0], there.a_entry[0])
         if part.curved and settings.geometric_ramp_time > 1.0 and settings.slope is not Slope.STEP:
             longer = settings.geometric_ramp_time
             slower = replace(limits, jerk=limits.jerk / longer, braking_jerk=limits.braking_jerk / longer)
@@ -421,7 +422,7 @@ class DynamicLimits:
 
     def _path_limits(self, dynamics: Dynamics, path: PathLimits, moves: MoveSettings, part: _Part) -> Dynamics:
         """#VECTOR LIMIT and #TRANSVELMIN."""
-        v_entry, v_corner = dynamics.v_entry, dynamics.v_corner
+        v_entry, v_corner, a_entry = dynamics.v_entry, dynamics.v_corner, dynamics.a_entry
         v_limit = np.minimum(dynamics.v_limit, path.velocity)
         a_limit = np.minimum(dynamics.a_limit, min(path.acceleration, path.deceleration))
         j_limit = np.minimum(dynamics.j_limit, path.jerk)
@@ -431,10 +432,11 @@ class DynamicLimits:
             with np.errstate(divide="ignore"):
                 speed = most * self._period / change
             v_entry, v_corner = np.minimum(v_entry, speed), np.minimum(v_corner, speed)
+            a_entry = np.zeros_like(a_entry)
             knee = part.goes_on & (change > TANGENTIAL)
             v_entry = np.where(knee, np.maximum(v_entry, least), v_entry)
             v_corner = np.where(knee, np.maximum(v_corner, least), v_corner)
-        return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner)
+        return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner, np.minimum(a_entry, a_limit))
 
 
 @kernel

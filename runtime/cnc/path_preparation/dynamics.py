@@ -15,7 +15,8 @@ the rest is left to speed up and brake.
 At a corner the axes jump by Δu v, at most their `velocity_step`. Where an arc begins or ends the acceleration jumps
 by Δk v². An axis that may jump by `velocity_step` may also lag as much, and with its jerk it catches up with a jump
 of acceleration ΔA while its velocity is off by at most ΔA²/8J: so ΔA ≤ √(8 J velocity_step) is allowed, and ΔA ≤
-J·period/2 for an axis that may not jump at all.
+J·period/2 for an axis that may not jump at all. In a corner where the velocities jump the path acceleration may do so, too,
+from braking to speeding up, within the same ΔA of every axis.
 
 A run of short lines stands for a curve: its corners then also have a curvature k = Δu / mean length, kept like that
 of an arc.
@@ -60,7 +61,8 @@ class Border:
 class Dynamics:
     """Limits of k elements, each (k,): per s, s², s³ along the path; `v_entry` at the corner before the element.
 
-    `v_corner` is `v_entry` without what the curvature of a corner that stands for a curve allows.
+    `v_corner` is `v_entry` without what the curvature of a corner that stands for a curve allows. `a_entry`: from a
+    deceleration up to it the path may change at the corner to any acceleration up to it; 0: the acceleration goes on.
     """
 
     v_limit: Floats
@@ -68,6 +70,7 @@ class Dynamics:
     j_limit: Floats
     v_entry: Floats
     v_corner: Floats
+    a_entry: Floats
 
 
 def _least(limit: Floats, share: Floats) -> Floats:
@@ -111,6 +114,20 @@ def jump_speed(limits: AxisLimits, period: float, turn: Floats, bend: Floats) ->
     return speed
 
 
+def jump_acceleration(limits: AxisLimits, period: float, before: Floats, behind: Floats) -> Floats:
+    """Greatest deceleration before and acceleration behind corners (k,) between directions (k, n) that may meet there.
+
+    Braking with a- before and accelerating with a+ behind, an axis jumps by u+ a+ + u- a-: by the sum where it goes on, by the
+    difference where it turns back, and either may be 0. Only where the velocities jump as well: a curve, however finely
+    divided, has no such corners.
+    """
+    sharp = np.abs(behind - before).max(axis=1) >= SMOOTH
+    together = np.maximum(np.maximum(np.abs(before), np.abs(behind)), np.abs(before + behind))
+    allowed = _least(_acceleration_step(limits, period), together)
+    step: Floats = np.where(sharp & (limits.velocity_step.max() > 0.0), allowed, 0.0)
+    return step
+
+
 def line_dynamics(
     limits: AxisLimits,
     period: float,
@@ -144,6 +161,7 @@ def line_dynamics(
     here = curvature.copy()  # the sharper of the corners at both ends; that after the last line is not known yet
     here[:-1] = np.maximum(here[:-1], curvature[1:])
     v_corner = jump_speed(limits, period, turn, bend)
+    a_entry = jump_acceleration(limits, period, before_direction, direction)
     asked = np.minimum(feed, v_limit)
     cap = np.append(v_corner, asked[-1])
     cap[:-1] = np.minimum(np.minimum(cap[:-1], asked), np.concatenate([asked[:1], asked[:-1]]))
@@ -157,9 +175,9 @@ def line_dynamics(
     share_at[1:] = np.minimum(share_at[1:], share_here[:-1])
     v_entry = corner_speed(limits, period, turn, bend, mean, share_at)
     measured_anew = before_main != main  # mm before, degrees after
-    v_entry[measured_anew] = v_corner[measured_anew] = 0.0
+    v_entry[measured_anew] = v_corner[measured_anew] = a_entry[measured_anew] = 0.0
     if before is None:
-        v_entry[0] = v_corner[0] = 0.0
+        v_entry[0] = v_corner[0] = a_entry[0] = 0.0
 
     fastest = np.minimum(
         np.minimum(GREATEST_OVERRIDE * feed, v_limit), np.sqrt(share_here * _least(acceleration, here))
@@ -175,7 +193,7 @@ def line_dynamics(
     if len(length) >= RUN:
         v_limit, v_entry = _step_down(v_limit, 0.005), _step_down(v_entry, 0.005)
         a_limit, j_limit = _step_down(a_limit, 0.02), _step_down(j_limit, 0.02)
-    return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner), after
+    return Dynamics(v_limit, a_limit, j_limit, v_entry, v_corner, a_entry), after
 
 
 def _step_down(values: Floats, step: float) -> Floats:
@@ -249,5 +267,5 @@ def arc_dynamics(
         mean = np.array([0.5 * (length + before.length)])
         v_entry = float(corner_speed(limits, period, turn, bend, mean, GREATEST_CURVATURE_SHARE)[0])
         v_corner = float(jump_speed(limits, period, turn, bend)[0])
-    values = (v_limit, a_limit, j_limit, v_entry, v_corner)
+    values = (v_limit, a_limit, j_limit, v_entry, v_corner, 0.0)
     return Dynamics(*(np.array([value]) for value in values)), border(begin + angle)

@@ -189,7 +189,7 @@ def polynomial_dynamics(
         measured_anew[0] = True
     v_entry[measured_anew] = v_corner[measured_anew] = 0.0
     after = Border(borders[-1, 1, 0], borders[-1, 1, 1], float(length[-1]), bool(main[-1]))
-    return Dynamics(boxes[:, 0], boxes[:, 1], boxes[:, 2], v_entry, v_corner), after
+    return Dynamics(boxes[:, 0], boxes[:, 1], boxes[:, 2], v_entry, v_corner, np.zeros(m)), after
 
 
 @warms("limits of polynomials")

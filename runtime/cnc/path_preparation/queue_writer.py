@@ -498,6 +498,7 @@ class QueueWriter:
         records["j_limit"][there] = dynamics.j_limit
         records["v_entry"][there] = dynamics.v_entry
         records["v_corner"][there] = dynamics.v_corner
+        records["a_entry"][there] = dynamics.a_entry
         self._mark_limits(records, there, limited, share)
         late = self._brakes_late(feed, rapid)
         if late.any():
