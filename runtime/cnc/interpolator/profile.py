@@ -318,6 +318,7 @@ def watch_cycle(
         s_top = v_top * T
     for i in range(count):
         near = i == 0 or slack(kind[i], d[i] - s_top, x[i], A[i], J[i], B[i], v_top, a_top, T) <= TOLERANCE
+        near = near or (kind[i] == SPEED and B[i] > 0.0 and d[i] <= s_top + 1e-6)
         state[i] = 1 if near else 0
 
 
@@ -424,6 +425,12 @@ def drive(
                 if d[i] >= reach:
                     break
                 if kind[i] == REDUCE and A[i] < abs(jerk):
+                    t = time_to(d[i] - s, v, a, jerk, t)
+                    break
+        if a < 0.0:  # no further than to where the acceleration may jump
+            reach = s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0
+            for i in range(1, count):
+                if kind[i] == SPEED and B[i] > 0.0 and state[i] != 0 and s + AT_CORNER < d[i] < reach:
                     t = time_to(d[i] - s, v, a, jerk, t)
                     break
         if s < until - TOLERANCE and s + v * t + a * t * t / 2.0 + jerk * t * t * t / 6.0 > until:
