@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from toppra import SplineInterpolator, constraint
 from toppra.algorithm import TOPPRA
+from toppra.constraint import DiscretizationType
 
 from bench.figure import Figure
 from bench.stopwatch import as_in_the_cycle, distribution
@@ -80,8 +81,10 @@ def polyline(points: Floats, feed: float) -> Polyline:
 def bound(points: Floats, feed: float, begin: float = 0.0, end: float = 0.0, *, between: bool = True) -> float:
     """Least time, s, over the curve through points (k + 1, n), its length as parameter, from speed `begin` to `end`.
 
-    `between`: the limits are watched in the middle between the points, too.
+    `between`: the limits are watched between the points, too; where points are close and curvature changes quickly that finds
+    no solution.
     """
+    scheme = DiscretizationType.Interpolation if between else DiscretizationType.Collocation
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     path = SplineInterpolator(s, np.column_stack([points, s]))  # the length as one more axis: its speed is the feed
     n = points.shape[1]
@@ -89,7 +92,7 @@ def bound(points: Floats, feed: float, begin: float = 0.0, end: float = 0.0, *, 
     hardest = np.array([A] * n + [1e9])
     limits = [
         constraint.JointVelocityConstraint(np.stack([-most, most], axis=1)),
-        constraint.JointAccelerationConstraint(np.stack([-hardest, hardest], axis=1)),
+        constraint.JointAccelerationConstraint(np.stack([-hardest, hardest], axis=1), discretization_scheme=scheme),
     ]
     grid = np.sort(np.concatenate([s, 0.5 * (s[1:] + s[:-1])])) if between else s
     speeds = TOPPRA(limits, path, gridpoints=grid).compute_parameterization(begin, end)[1]
@@ -147,14 +150,16 @@ def places(blocks: list[Block], longest: float) -> Floats:
     """Points (k, n) of smoothed moves, no further apart than `longest` mm on lines and 0.01 mm on curves."""
     found: list[Floats] = []
     for block in blocks:
-        if isinstance(block, Polynomials):
-            pieces = [(c, 0.01) for c in block.coefficients]
-        else:
-            ends = block.points if isinstance(block, Polyline) else np.stack([block.start, block.end])  # type: ignore[attr-defined]
-            pieces = [(np.stack([a, b - a]), longest) for a, b in pairwise(ends)]
+        pieces: list[tuple[Floats, float]] = []
+        match block:
+            case Polynomials():
+                pieces = [(c, 0.01) for c in block.coefficients]
+            case Polyline():
+                pieces = [(np.stack([a, b - a]), longest) for a, b in pairwise(block.points)]
+            case Line():
+                pieces = [(np.stack([block.start, block.end - block.start]), longest)]
         for c, step in pieces:
-            count = int(np.ceil(np.abs(c[1:]).sum() / step))
-            u = np.arange(1, count + 1) / count
+            u = np.linspace(0.0, 1.0, max(int(np.linalg.norm(c[1:].sum(axis=0)) / step), 1) + 1)[1:]
             found.append((u[:, None] ** np.arange(len(c))) @ c)
     return np.vstack([np.zeros((1, found[0].shape[1])), *found])
 

@@ -22,7 +22,6 @@ from runtime.cnc.interpolator.lookahead import (
     ARC,
     BEHIND,
     CONSTRAINTS,
-    FUNCTION,
     GATE,
     HORIZON,
     KNOWN_END,
@@ -46,7 +45,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 PASSED = 256  # records told in one cycle
-SEARCH = 1024  # records searched for gates and functions in one cycle
+SEARCH = 1024  # records searched for gates in one cycle
 JOIN = 1e-6  # mm: the first element must start where the axes stand
 PROGRAM_END = int(GateReason.PROGRAM_END)
 STEP = int(GateReason.STEP)
@@ -55,8 +54,8 @@ STEP = int(GateReason.STEP)
 S_IN, V, A, PATH, LENGTH, OVERFLOWS, PLAN_TIME, PLANNED = 0, 1, 2, 3, 4, 5, 6, 7
 FLOAT_STATE = 8
 # state, integer
-CUR, REPORTED, OPENED, HORIZON_ALL, SINGLE_GATE_AT, SCANNED, NEXT_GATE, NEXT_FUNCTION = 0, 1, 2, 3, 4, 5, 6, 7
-GATE_INDEX, AT_GATE, FUNCTIONS, PASSED_COUNT, STANDSTILL, STARVED, STARTED, ENDED = 8, 9, 10, 11, 12, 13, 14, 15
+CUR, REPORTED, OPENED, HORIZON_ALL, SINGLE_GATE_AT, SCANNED, NEXT_GATE = 0, 1, 2, 3, 4, 5, 6
+GATE_INDEX, AT_GATE, PASSED_COUNT, STANDSTILL, STARVED, STARTED, ENDED = 8, 9, 11, 12, 13, 14, 15
 # gates up to OPENED are open; block ends of single block up to BLOCKS_RELEASED: a gate far ahead may be open long before
 ABORTING, APART, SHOWN, BRAKED, HORIZON_ZONES, BLOCKS_RELEASED = 16, 17, 18, 19, 20, 21
 ROWS, BRAKED_IN, ROWS_KEPT, REFUSED = 22, 24, 26, 27  # the first two for both views
@@ -116,7 +115,7 @@ def report(records: Records, i: Ints, passed: Ints) -> None:
 
 @kernel
 def search(records: Records, written: int, single_block: bool, i: Ints) -> None:
-    """Find the next closed gate and the next function, `SEARCH` records per cycle."""
+    """Find the next closed gate, `SEARCH` records per cycle."""
     size = records.shape[0]
     if i[NEXT_GATE] >= 0 and i[NEXT_GATE] <= i[OPENED]:
         i[NEXT_GATE] = -1
@@ -126,16 +125,10 @@ def search(records: Records, written: int, single_block: bool, i: Ints) -> None:
         if records[i[SCANNED] % size]["kind"] == GATE and i[SCANNED] > i[OPENED]:
             i[NEXT_GATE] = i[SCANNED]
         i[SCANNED] += 1
-    i[NEXT_FUNCTION] = max(i[NEXT_FUNCTION], i[REPORTED])
-    end = min(written, i[NEXT_FUNCTION] + SEARCH)
-    while i[NEXT_FUNCTION] < end and records[i[NEXT_FUNCTION] % size]["kind"] != FUNCTION:
-        i[NEXT_FUNCTION] += 1
     gate = i[NEXT_GATE]
     if single_block and i[SINGLE_GATE_AT] > i[BLOCKS_RELEASED] and (gate < 0 or i[SINGLE_GATE_AT] < gate):
         gate = i[SINGLE_GATE_AT]
     i[GATE_INDEX] = gate
-    found = i[NEXT_FUNCTION] < written and records[i[NEXT_FUNCTION] % size]["kind"] == FUNCTION
-    i[FUNCTIONS] = 1 if gate >= 0 and found and i[NEXT_FUNCTION] < gate else 0
 
 
 @kernel

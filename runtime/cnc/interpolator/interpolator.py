@@ -78,7 +78,7 @@ class Interpolator:
         self._dq[:] = 0.0
         self._q[: self._n] = position
         read = self.queue.read
-        for place in (c.CUR, c.REPORTED, c.HORIZON_ALL, c.HORIZON_ZONES, c.SCANNED, c.NEXT_FUNCTION, c.SHOWN):
+        for place in (c.CUR, c.REPORTED, c.HORIZON_ALL, c.HORIZON_ZONES, c.SCANNED, c.SHOWN):
             self._i[place] = read
         self._i[c.OPENED] = self._i[c.BLOCKS_RELEASED] = read - 1
         for place in (c.SINGLE_GATE_AT, c.NEXT_GATE, c.GATE_INDEX, c.SHOWN):
@@ -263,11 +263,6 @@ class Interpolator:
     def at_gate(self) -> bool:
         """The path stands at `gate`, exactly."""
         return bool(self._i[c.AT_GATE])
-
-    @property
-    def functions_before_gate(self) -> bool:
-        """Functions between here and `gate` have still to be passed."""
-        return bool(self._i[c.FUNCTIONS])
 
     def open_gate(self) -> None:
         """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step."""

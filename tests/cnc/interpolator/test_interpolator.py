@@ -195,7 +195,6 @@ def test_a_closed_gate_is_stopped_at_exactly() -> None:
     def schedule(cycle: int, interpolator: Interpolator) -> Order:
         if interpolator.at_gate:
             assert interpolator.position.tolist() == [30.0, 0.0, 0.0]
-            assert not interpolator.functions_before_gate
             assert interpolator.gate == 2
         return Order(open_gates=cycle > 900)
 
