@@ -12,7 +12,7 @@ Nothing here waits, and nothing grows.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 import numpy as np
@@ -26,10 +26,11 @@ from runtime.config.machine import Machine
 from runtime.drives import DriveImage, DriveSystem
 from runtime.hli.memory import HliMemory
 from runtime.kernels import kernel, warms
-from runtime.recorder.areas import WHOLE_WORDS, Area
+from runtime.recorder.areas import WHOLE_WORDS, Area, words_of
 from runtime.recorder.machine_areas import hli_area, link_area
-from runtime.recorder.record import GAP, HEAD, KEYFRAME, Section, text_words
+from runtime.recorder.record import GAP, HEAD, KEYFRAME, STATE_FOLLOWS, Section, text_words
 from runtime.recorder.ring import RecorderRing
+from runtime.recorder.state import Capture, Outside, StateError
 
 Words = npt.NDArray[np.int64]
 Numbers = npt.NDArray[np.int64]
@@ -115,7 +116,9 @@ class Border:
         self._calls: list[object] = []
         self._gap = False
         self.wall_ns = 0
-        self.snapshot: Callable[[], Words] | None = None  # state of the objects of the cycle
+        self.root: object = None  # whose state stands in keyframes; without it only the first cycle has one
+        self.still: Callable[[], bool] = lambda: True  # nothing moves: a cycle that takes longer is felt by nobody
+        self._pieces: Iterator[bytes] | None = None
         self._figures = np.zeros(4)
         self.cycle = 0
         own = memories.queue
@@ -154,9 +157,11 @@ class Border:
         out[4] = 0
         self._at = HEAD
         if self._ring.take_wish():
-            self.keyframe_wanted = self.snapshot is not None
-        if self.keyframe_wanted and (self.cycle == 1 or not self._calls):  # those are in the state already
+            self.keyframe_wanted = self.root is not None
+        if self.keyframe_wanted and (self.cycle == 1 or self._may_take_keyframe()):
             self._keyframe()
+        if self._pieces is not None:
+            self._next_piece()
         if self._calls:
             calls, self._calls = self._calls, []
             self._section(Section.CALLS, text_words(calls))
@@ -171,7 +176,7 @@ class Border:
         image, figures, out = self._image, self._figures, self.out
         figures[0], figures[1] = image.bus_load, image.emcy_count
         figures[2], figures[3] = image.frames_sent, image.frames_received
-        if image.buses_changed:
+        if image.buses_changed or out[4] & KEYFRAME:
             self._section(Section.BUSES, text_words([[bus.channel, bus.load, bus.gone] for bus in image.buses]))
         if image.events:
             self._section(Section.DRIVE_EVENTS, text_words([list(event) for event in image.events]))
@@ -257,6 +262,14 @@ class Border:
     def _keyframe(self) -> None:
         """Everything that a replay needs to begin in front of this cycle."""
         self.keyframe_wanted = False
+        if self.cycle > 1:  # in front of the first cycle everything is as it was built
+            try:
+                self._pieces = Capture(self.root, self._outside()).pieces()
+            except StateError:
+                self.root = None
+                self._ring.refuse_keyframes()
+                return
+            self.out[4] |= STATE_FOLLOWS
         self.out[4] |= KEYFRAME
         for number, area in enumerate(self.areas):
             at = self._at
@@ -267,8 +280,32 @@ class Border:
         self._recorded = int(counters[1])  # what is in the queue follows, some records in each cycle
         self._seen = [0, 0, 0]
         self._read = -1
-        if self.snapshot is not None and self.cycle > 1:  # in front of the first cycle everything is as it was built
-            self._section(Section.KEYFRAME_STATE, self.snapshot())
+
+    def _may_take_keyframe(self) -> bool:
+        """Calls of this cycle are in the state already; records of the queue that are not recorded yet would be missing."""
+        return (
+            not self._calls and self._pieces is None and self._recorded >= int(self._own_counters[0]) and self.still()
+        )
+
+    def _next_piece(self) -> None:
+        """A piece of the state per cycle, since making text of it takes its time."""
+        assert self._pieces is not None
+        piece = next(self._pieces, None)
+        last = piece is None
+        text = b"" if piece is None else piece
+        words = np.frombuffer(text.ljust(-(-len(text) // 8) * 8, b" "), dtype=np.int64)
+        self._section(Section.KEYFRAME_STATE, np.concatenate([np.array([last], dtype=np.int64), words]))
+        if last:
+            self._pieces = None
+
+    def _outside(self) -> Outside:
+        return outside_of(self._memories.hli, self._memories.link, self._memories.queue, self._image)
+
+
+def outside_of(hli: HliMemory, link: PreparationLink, queue: MotionQueue, image: DriveImage) -> Outside:
+    """What a keyframe has in its areas, or follows it: no state of objects."""
+    rings = (queue.records, queue.polynomials, queue.counters, queue.names, queue.texts.slots, queue.limits.sets)
+    return Outside(words_of(hli.hli), words_of(link.buffer), image.words, *rings)
 
 
 class BorderDrives:

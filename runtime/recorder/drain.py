@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.diagnostics.catalogue import recorder as errors
-from runtime.diagnostics.errors import Place, Problem
+from runtime.diagnostics.errors import ErrorEntry, Place, Problem
 from runtime.recorder.file import RecordingError
 from runtime.recorder.ring import RecorderRing
 from runtime.recorder.store import Segments, save
@@ -64,6 +64,7 @@ class Drain:
         self._save_at: float | None = None
         self._save_as = ""
         self._saved_at = -_BETWEEN
+        self._told: list[ErrorEntry] = []
         self.figures = RecorderFigures()
 
     def start(self) -> None:
@@ -108,9 +109,22 @@ class Drain:
             self._ring.want_keyframe()
         if self._save_at is not None and now >= self._save_at:
             self._save()
+        self._tell_limits()
         figures = self.figures
         figures.bytes, figures.records, figures.dropped = self._segments.bytes, self._ring.records, self._ring.dropped
         figures.writing = not self._broken_since
+
+    def _tell_limits(self) -> None:
+        """Once each: why a recording does not go on although the disk would take it."""
+        for holds, entry in (
+            (self._ring.keyframes_refused, errors.NO_KEYFRAMES),
+            (self._segments.full, errors.ROOM_USED_UP),
+        ):
+            if holds and entry not in self._told:
+                self._tell(Problem(entry, {"folder": self._segments.folder}))
+                self._told.append(entry)
+            elif not holds and entry in self._told:
+                self._told.remove(entry)
 
     def _failed(self, error: OSError, words: Words, now: float) -> None:
         self._segments.fail()

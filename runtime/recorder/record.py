@@ -22,6 +22,7 @@ Words = npt.NDArray[np.int64]
 HEAD = 5
 GAP = 1  # mark: records before this one were dropped
 KEYFRAME = 2  # mark: the state in front of this cycle stands in the record
+STATE_FOLLOWS = 4  # mark: that of the objects stands in the records from this one on
 
 
 class Section(IntEnum):
@@ -30,7 +31,7 @@ class Section(IntEnum):
     CALLS = 1  # what the process did with the controller before the cycle, JSON
     KEYFRAME_AREA = 2  # area | all its words
     KEYFRAME_QUEUE = 3  # counters of the consumer
-    KEYFRAME_STATE = 4  # state of the objects of the cycle
+    KEYFRAME_STATE = 4  # 1 for the last | a piece of the state of the objects
     FIGURES = 5  # of the drive image: bus load, EMCY, frames
     DRIVE_EVENTS = 6  # JSON
     IMAGE = 7  # changes of the drive image

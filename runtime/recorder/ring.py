@@ -18,7 +18,7 @@ from runtime.diagnostics.memory import open_shared, release_shared, remove_share
 Words = npt.NDArray[np.int64]
 RING_BYTES = 16 << 20  # some 20 s of a machine in motion
 _HEAD = 64  # bytes
-_WRITTEN, _READ, _RECORDS, _DROPPED, _KEYFRAME = 0, 1, 2, 3, 4
+_WRITTEN, _READ, _RECORDS, _DROPPED, _KEYFRAME, _REFUSED = 0, 1, 2, 3, 4, 5
 
 
 class RecorderRing:
@@ -64,7 +64,16 @@ class RecorderRing:
         self._counters[_KEYFRAME] = 0
         return True
 
+    def refuse_keyframes(self) -> None:
+        """The state has something that cannot be recorded: there will be no keyframe but the first."""
+        self._counters[_REFUSED] = 1
+
     # ------------------------------------------------------------------ the reader's side
+
+    @property
+    def keyframes_refused(self) -> bool:
+        """There will be no keyframe but the first."""
+        return bool(self._counters[_REFUSED])
 
     def want_keyframe(self) -> None:
         """Ask the cycle for a keyframe."""

@@ -39,7 +39,7 @@ from runtime.scheduler.controller import Controller
 from runtime.scheduler.keeping import interruption_in, retained_of
 from runtime.scheduler.plc_link import PlcProcess
 from runtime.scheduler.realtime import prepare_realtime
-from runtime.scheduler.recorded import Seam, put_border, told_alarm
+from runtime.scheduler.recorded import Seam, put_border, told_alarm, watch
 from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
@@ -81,7 +81,7 @@ class CycleProcess:
             machine, seam.drives, seam.memory, self.events, seam.queue, seam.link, seam.plc, wall_clock=seam.wall_clock
         )
         if self._border is not None:
-            self._border.settle()
+            watch(self._border, self.controller)
         self._stop_reason = ""
         self._told_reason: ErrorEntry | None = None
         self._parent = os.getppid()

@@ -16,7 +16,17 @@ from runtime.recorder.border import Border, BorderDrives, BorderPlc, Memories
 from runtime.recorder.file import RecordingWriter
 from runtime.recorder.header import make_header
 from runtime.recorder.ring import RecorderRing
+from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_link import PlcPartner
+
+
+def watch(border: Border, controller: Controller) -> None:
+    """The controller is built: from here on it is recorded, with keyframes of its state while nothing moves."""
+    border.settle()
+    border.root = controller
+    border.still = lambda: (
+        controller.channel.interpolator.standstill and controller.beside.at_rest and controller.jobs.standing
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,11 +33,11 @@ from runtime.drives import BusFigures, DriveEvent, DriveImage
 from runtime.hli.layout import Platform
 from runtime.hli.memory import HliMemory
 from runtime.recorder.areas import WHOLE_WORDS, Area, Element, apply_changes
-from runtime.recorder.border import RECORD_WORDS
+from runtime.recorder.border import RECORD_WORDS, outside_of
 from runtime.recorder.file import RecordingError, RecordingFile
 from runtime.recorder.header import described_machine, image_words, processor, source_hash
 from runtime.recorder.machine_areas import AREAS, elements_of_area, hli_area, layouts, link_area
-from runtime.recorder.record import GAP, KEYFRAME, CycleRecord, Section, value_of
+from runtime.recorder.record import GAP, KEYFRAME, STATE_FOLLOWS, CycleRecord, Section, value_of
 from runtime.recorder.state import restore
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.retained import RetainedAlarm
@@ -132,6 +132,36 @@ class _Queue:
         self.read_ahead: deque[CycleRecord] = deque()
         self._waiting: deque[tuple[int, Words]] = deque()
         self.filled = 0
+        self._state = b""
+        self._state_whole = False
+
+    def attach(self, queue: MotionQueue) -> None:
+        """Another queue, of a controller that begins anew."""
+        self.queue = queue
+        self._records = queue.records.view(np.int64).reshape(queue.capacity, RECORD_WORDS)
+        self._polynomials = queue.polynomials.view(np.int64).reshape(queue.capacity, ROWS * WIDTH)
+
+    def begin(self, keyframe: CycleRecord) -> bytes | None:
+        """Everything of before is forgotten; the state of the objects in front of `keyframe`, None if it is not whole."""
+        self._waiting.clear()
+        self._state, self._state_whole = b"", False
+        for record in (keyframe, *self.read_ahead):
+            self._note(record)
+        if not keyframe.marks & STATE_FOLLOWS:
+            return b""
+        while not self._state_whole:
+            if any(record.marks & GAP for record in self.read_ahead) or not self._look():
+                return None
+        return self._state
+
+    def _note(self, record: CycleRecord) -> None:
+        """What later records bring for earlier cycles."""
+        for kind, words in record.sections:
+            if kind == Section.QUEUE_RECORDS:
+                self._waiting.append((int(words[0]), words[1:]))
+            elif kind == Section.KEYFRAME_STATE and not self._state_whole:
+                self._state += words[1:].tobytes().rstrip() + b"\n"
+                self._state_whole = bool(words[0])
 
     def records(self) -> Iterator[CycleRecord]:
         """The records of the recording in their order."""
@@ -144,11 +174,7 @@ class _Queue:
         record = next(self._ahead, None)
         if record is None:
             return False
-        if record.marks & KEYFRAME:
-            self._waiting.clear()  # its own follow
-        for kind, words in record.sections:
-            if kind == Section.QUEUE_RECORDS:
-                self._waiting.append((int(words[0]), words[1:]))
+        self._note(record)
         self.read_ahead.append(record)
         return True
 
@@ -156,7 +182,7 @@ class _Queue:
         """Everything in front of record `written` is in its place; FALSE if the recording ends before it stands there."""
         while self.filled < written:
             if not self._waiting:
-                if any(record.marks & KEYFRAME for record in self.read_ahead) or not self._look():
+                if any(record.marks & GAP for record in self.read_ahead) or not self._look():
                     return False
                 continue
             first, words = self._waiting.popleft()
@@ -223,7 +249,7 @@ class Replay:
 
     # ------------------------------------------------------------------ building
 
-    def _build(self, records: Iterator[CycleRecord]) -> None:
+    def _build(self) -> None:
         """A machine as it was in front of the first cycle of its process."""
         machine, header = self.machine, self._header
         n_axes = len(machine.channels[0].axes)
@@ -232,7 +258,7 @@ class Replay:
         self.memory = HliMemory.private()
         self.link = PreparationLink(n_axes)
         self.queue = MotionQueue(n_axes)
-        self._source = _Queue(self.queue, records)
+        self._source.attach(self.queue)
         self.events = EventRing()
         plc = None
         if header["plc"] != "none":
@@ -262,7 +288,7 @@ class Replay:
         """From the first keyframe to the end of the recording, to the cycle `stop_at`, or to where they part."""
         cycles, gaps = 0, 0
         begin = end = 0.0
-        self._build(self.file.records())
+        self._source = _Queue(MotionQueue(len(self.machine.channels[0].axes)), self._records_of_file())
         running = False
         for record in self._source.records():
             if record.marks & GAP and not record.marks & KEYFRAME:
@@ -270,8 +296,9 @@ class Replay:
             if not running:
                 if not record.marks & KEYFRAME:
                     continue
+                if not self._begin(record):
+                    continue
                 gaps += cycles > 0
-                self._begin(record)
                 running = True
                 begin = record.time if cycles == 0 else begin
             self._cycle(record)
@@ -289,8 +316,15 @@ class Replay:
             self._writer.close(self.samples, self._summary(result))
         return result
 
-    def _begin(self, record: CycleRecord) -> None:
-        """The state in front of a record with a keyframe."""
+    def _records_of_file(self) -> Iterator[CycleRecord]:
+        return self.file.records()
+
+    def _begin(self, record: CycleRecord) -> bool:
+        """The state in front of a record with a keyframe; FALSE if the recording ends before it is whole."""
+        state = self._source.begin(record)
+        if state is None:
+            return False
+        self._build()
         for kind, words in record.sections:
             if kind == Section.KEYFRAME_AREA:
                 area = self.areas[int(words[0])]
@@ -300,8 +334,10 @@ class Replay:
                 self.queue.counters[:] = words
                 self._source.filled = int(words[1])
                 self._read = -1
-            elif kind == Section.KEYFRAME_STATE:
-                restore(self.controller, words)
+        self._take_figures()
+        if state:
+            restore(self.controller, state, outside_of(self.memory, self.link, self.queue, self.image))
+        return True
 
     def _cycle(self, record: CycleRecord) -> None:
         self._record, self._woken = record, False
@@ -366,8 +402,7 @@ class Replay:
                 apply_changes(words, self.drives_area.own, self.drives_area.agreed)
             elif kind == Section.FIGURES:
                 apply_changes(words, self.figures_area.own, self.figures_area.agreed)
-                image.bus_load = float(self._figures[0])
-                image.emcy_count, image.frames_sent, image.frames_received = map(int, self._figures[1:])
+                self._take_figures()
             elif kind == Section.HLI:
                 apply_changes(words, self.hli.own, self.hli.agreed)
             elif kind == Section.LINK:
@@ -381,6 +416,11 @@ class Replay:
                 self._fill_queue(kind, words)
             elif kind >= Section.BEFORE_PLC:
                 break
+
+    def _take_figures(self) -> None:
+        image = self.image
+        image.bus_load = float(self._figures[0])
+        image.emcy_count, image.frames_sent, image.frames_received = map(int, self._figures[1:])
 
     def _fill_queue(self, kind: int, words: Words) -> None:
         queue = self.queue

@@ -36,7 +36,7 @@ from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.plc_inline import InlinePlc
 from runtime.scheduler.plc_link import PlcPartner
 from runtime.scheduler.preparation import BATCH, Preparation
-from runtime.scheduler.recorded import Seam, SimulationRecording
+from runtime.scheduler.recorded import Seam, SimulationRecording, watch
 from runtime.scheduler.tool_tables import listed_tools
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
@@ -151,7 +151,7 @@ class Simulation:
             real_drives=not ideal_axes,
         )
         if self.recording is not None:
-            self.recording.border.settle()
+            watch(self.recording.border, self.controller)
         self.controller.channel.trace_blocks = trace is not None
         self.memory.hli.head.running_r = True
         self.log: list[Event] = []  # every event so far; those of single blocks only go into the trace

@@ -48,6 +48,8 @@ class Interpolator:
     kept.
     """
 
+    SCRATCH = ("_real", "_whole", "_prediction")  # written before they are read in every step: no state
+
     def __init__(self, queue: MotionQueue, axes: AxisLimits, period: float, position: Floats) -> None:
         if axes.n != queue.n_axes or len(position) != queue.n_axes:
             raise ValueError(f"queue has {queue.n_axes} axes, limits {axes.n}, position {len(position)}")

@@ -55,6 +55,20 @@ SAVED = ErrorEntry(
     Severity.MESSAGE,
     Reaction.NONE,
 )
+NO_KEYFRAMES = ErrorEntry(
+    311011,
+    "The state of this machine cannot be recorded while it runs: the recording ends when its room is used up",
+    Severity.WARNING,
+    Reaction.NONE,
+    remedy="A storage for backward motion is too large for it; give recorder.size more, or do without that storage.",
+)
+ROOM_USED_UP = ErrorEntry(
+    311012,
+    "The recorder has used up its room in {folder}, and the machine has not stood still since its last keyframe",
+    Severity.WARNING,
+    Reaction.NONE,
+    remedy="It goes on at the next standstill. Give recorder.size more for programs that move without a stop for so long.",
+)
 CLOCK_STEPPED = ErrorEntry(
     311010,
     "The wall clock was set by {seconds:+.1f} s: time stamps before and after this line do not fit together",
