@@ -61,7 +61,8 @@ def _names(cls: Any) -> tuple[str, ...]:
 
 def _attributes(value: object) -> dict[str, Any]:
     """All attributes of an object, in the order in which they were made."""
-    names = _names(type(value))
+    cls: Any = type(value)
+    names = _names(cls)
     own: dict[str, Any] = getattr(value, "__dict__", {})
     return {name: getattr(value, name) for name in names if hasattr(value, name)} | own if names else own
 
@@ -108,7 +109,8 @@ class Capture:
         self._value(root)
 
     def _value(self, value: Any) -> Any:
-        cls = type(value)
+        kind: Any = type(value)
+        cls = kind
         if cls in _ATOMS:
             return value
         number = self._numbers.get(id(value))
@@ -133,7 +135,7 @@ class Capture:
             return self._container(value, cls)
         if isinstance(value, tuple) and cls.__module__.startswith("runtime."):
             return ("v", cls.__module__, cls.__qualname__, [self._value(one) for one in value])
-        if _kept(cls) or callable(value):
+        if _kept(kind) or callable(value):
             return ("k",)
         number = self._new(value)
         place: list[Any] = []
