@@ -20,11 +20,13 @@ from pathlib import Path
 
 from runtime.config.machine import Bus, Machine
 from runtime.kernel_cache import places
+from runtime.recorder.store import FOLDER
 from runtime.scheduler.realtime import RefusedError, expect_memory_lock, set_priority
+from runtime.scheduler.retained import state_directory
 
 _CAN_TYPE = "280"  # ARPHRD_CAN in /sys/class/net/*/type
 _SLOW_WAKE_UP = 50  # µs of exit latency that a cycle of 1 ms can bear
-_SHARED_MEMORY = 64_000_000  # bytes that the interface memory, queues and rings fit into
+_SHARED_MEMORY = 80_000_000  # bytes that the interface memory, queues and rings fit into
 _OLDEST_SYSTEMD = 247
 
 
@@ -100,6 +102,7 @@ class Host:
     output: Callable[..., str] = _output
     writable: Callable[[Path], bool] = _writable
     free_shared_memory: Callable[[], int] = lambda: shutil.disk_usage("/dev/shm").free
+    free_disk: Callable[[Path], int] = lambda place: shutil.disk_usage(place).free
 
     def read(self, path: str) -> str:
         """Content of a file under the root, "" if it cannot be read."""
@@ -244,6 +247,50 @@ def _can_interface(host: Host, check: str, bus: Bus) -> Finding:
     return Finding(check, Verdict.OK, found)
 
 
+def interrupts(host: Host, machine: Machine) -> Finding:
+    """On PREEMPT_RT interrupts are threads: SCHED_FIFO 50, below the cycle. That of the CAN card has to be above it."""
+    name = "interrupt threads"
+    if host.read("sys/kernel/realtime") != "1" or machine.fieldbus.bus.interface != "socketcan":
+        return Finding(name, Verdict.OK, "no matter on this kernel or bus")
+    wanted, channel = machine.cycle.priority, machine.fieldbus.bus.channel
+    found = []
+    for number, priority, thread in _interrupt_threads(host, channel):
+        found.append(f"{thread} {priority}")
+        if priority <= wanted:
+            remedy = (
+                f"chrt --fifo -p {wanted + 5} {number} (and in a udev rule or at boot): frames that wait behind a cycle that "
+                f"polls come late; or set cycle.priority below {priority}."
+            )
+            return Finding(name, Verdict.WARN, f"{thread} has SCHED_FIFO {priority}, the cycle {wanted}", remedy)
+    return Finding(name, Verdict.OK, ", ".join(found) or f"none is named after {channel}")
+
+
+def _interrupt_threads(host: Host, channel: str) -> list[tuple[int, int, str]]:
+    """Process id, real-time priority and name of the threads of a card's interrupts: `irq/NUMBER-NAME`."""
+    lines = host.output("ps", "-eo", "pid=,rtprio=,comm=").splitlines()
+    threads = []
+    for line in lines:
+        parts = line.split(None, 2)
+        if len(parts) == 3 and parts[1].isdigit() and re.match(rf"irq/\d+-.*{re.escape(channel)}", parts[2]):
+            threads.append((int(parts[0]), int(parts[1]), parts[2]))
+    return threads
+
+
+def recorder_room(host: Host, machine: Machine) -> Finding:
+    """The disk has what the recorder may take, and twice that beside it for what is saved and retained."""
+    name, settings = "flight recorder", machine.recorder
+    if not settings.enabled:
+        return Finding(name, Verdict.OK, "switched off")
+    folder = state_directory(machine.state_directory, host.environment)
+    existing = next(place for place in (folder, *folder.parents) if place.exists())
+    free, wanted = host.free_disk(existing) // 1_000_000, 2 * settings.size
+    found = f"{free} MB free for {folder / FOLDER}, {settings.size} MB are recorded"
+    if free < wanted:
+        remedy = f"Make room for {wanted} MB, or give recorder.size less: a full disk costs the recording."
+        return Finding(name, Verdict.WARN, found, remedy)
+    return Finding(name, Verdict.OK, found)
+
+
 def systemd(host: Host, machine: Machine) -> Finding:
     match = re.match(r"systemd (\d+)", host.output("systemctl", "--version"))
     if match is None:
@@ -285,12 +332,14 @@ CHECKS: tuple[Check, ...] = (
     priority,
     memory_lock,
     processors,
+    interrupts,
     governor,
     sleep_states,
     clock_source,
     can,
     shared_memory,
     compiled_kernels,
+    recorder_room,
     systemd,
 )
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import ctypes
 import os
 import time
+from collections.abc import Callable
 from typing import Protocol
 
 _CLOCK_MONOTONIC = 1
@@ -103,6 +104,24 @@ class VirtualClock:
     def wait(self) -> int:
         self.cycle += 1
         return 0
+
+
+class WallClockWatch:
+    """Tells when the wall clock was set: it and the monotonic clock have gone by different amounts.
+
+    Nothing moves by the wall clock; it only stands in what is told, and who compares times has to know. `wall` and `monotonic`
+    give seconds; a step is at least `least` s within a call and the next one, so that slewing (NTP) is none.
+    """
+
+    def __init__(self, wall: Callable[[], float], monotonic: Callable[[], float], least: float = 1.0) -> None:
+        self._wall, self._monotonic, self._least = wall, monotonic, least
+        self._offset = wall() - monotonic()
+
+    def step(self) -> float:
+        """Seconds by which it was set since the last call, 0.0 if it was not."""
+        before, self._offset = self._offset, self._wall() - self._monotonic()
+        by = self._offset - before
+        return by if abs(by) >= self._least else 0.0
 
 
 class _Timespec(ctypes.Structure):

@@ -52,7 +52,8 @@ class NativeJournal:
             self._socket.sendto(data, self._address)
         except OSError as error:
             if error.errno not in (errno.EMSGSIZE, errno.ENOBUFS):
-                print(message, file=sys.stderr)
+                with suppress(OSError):  # nobody listens any more, or the disk is full
+                    print(message, file=sys.stderr)
                 return
             self._send_as_file(data)
 
@@ -65,7 +66,8 @@ class NativeJournal:
             rights = struct.pack("i", descriptor)
             self._socket.sendmsg([], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, rights)], 0, self._address)
         except OSError:
-            print(data[:1000], file=sys.stderr)
+            with suppress(OSError):
+                print(data[:1000], file=sys.stderr)
         finally:
             os.close(descriptor)
 

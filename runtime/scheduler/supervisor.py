@@ -25,6 +25,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.loader import DEMO_MACHINE
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
+from runtime.diagnostics.catalogue import recorder as recorder_errors
 from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveImage
@@ -38,6 +39,7 @@ from runtime.recorder.store import FOLDER, Segments
 from runtime.scheduler import names
 from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.children import Child
+from runtime.scheduler.clock import WallClockWatch
 from runtime.scheduler.journal import Journal, write_event, write_problem
 from runtime.scheduler.keeping import retained_of
 from runtime.scheduler.notify import Notifier
@@ -74,6 +76,7 @@ class Supervisor:
         self.journal = journal
         self.memory: HliMemory | None = None
         self.on_event: Callable[[Event], None] | None = None
+        self._wall_clock = WallClockWatch(time.time, time.monotonic)
         self._recorder_tells: deque[Problem] = deque(maxlen=64)  # of the recorder's thread, for the journal
         self._notifier = Notifier.from_environment(os.environ)
         state = state_directory(machine.state_directory, os.environ)
@@ -250,6 +253,8 @@ class Supervisor:
         self._watch_preparation()
         self._watch_plc()
         self._watch_drives()
+        if by := self._wall_clock.step():
+            write_problem(self.journal, Problem(recorder_errors.CLOCK_STEPPED, {"seconds": by}))
         now = time.monotonic()
         if now >= self._retain_at:
             self._retain_at = now + _RETAIN_EVERY

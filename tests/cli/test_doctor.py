@@ -53,6 +53,7 @@ class Computer:
             output=lambda *command: self.outputs.get(command[0], ""),
             writable=lambda path: True,
             free_shared_memory=lambda: 10**9,
+            free_disk=lambda place: 10**10,
         )
 
     def write(self, path: str, text: str | None) -> None:
@@ -217,3 +218,27 @@ def test_the_command_on_this_host(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_wrong_description_is_told_as_everywhere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["doctor", "-c", str(tmp_path / "missing.yaml")]) == 1
     assert "302001" in capsys.readouterr().err
+
+
+def test_too_little_room_for_the_recorder_is_told(computer: Computer, machine: Machine) -> None:
+    assert finding(computer, machine, "flight recorder").verdict is Verdict.OK
+    computer.spoil(free_disk=lambda place: 300_000_000)
+    found = finding(computer, machine, "flight recorder")
+    assert found.verdict is Verdict.WARN
+    assert found.found.startswith("300 MB free for /var/lib/tandem/recorder, 256 MB are recorded")
+    assert "512 MB" in found.remedy
+    off = machine.model_copy(update={"recorder": machine.recorder.model_copy(update={"enabled": False})})
+    assert finding(computer, off, "flight recorder").verdict is Verdict.OK
+
+
+def test_the_interrupt_thread_of_the_can_card_has_to_be_above_the_cycle(computer: Computer, machine: Machine) -> None:
+    computer.outputs["ps"] = "  812     50 irq/45-can0\n  813     50 irq/46-eth0\n    1      - systemd\n"
+    found = finding(computer, machine, "interrupt threads")
+    assert found.verdict is Verdict.WARN
+    assert found.found == "irq/45-can0 has SCHED_FIFO 50, the cycle 80"
+    assert "chrt --fifo -p 85 812" in found.remedy
+    computer.outputs["ps"] = "  812     85 irq/45-can0\n"
+    assert finding(computer, machine, "interrupt threads").verdict is Verdict.OK
+    computer.outputs["ps"] = "  812     50 irq/45-can0\n"
+    computer.write("sys/kernel/realtime", "0")
+    assert finding(computer, machine, "interrupt threads").verdict is Verdict.OK, "interrupts are no threads there"
