@@ -364,7 +364,7 @@ class Channel:
         if backward.holds:
             stop |= _TURNING
         again = backward.replaying
-        self.functions.travel = self._travel(inputs)
+        self.functions.travel = self._travel() if again or inputs.simulate_motion else Travel.FORWARD
         if inputs.delete_distance and self.phase is Phase.RUNNING and not again:
             self._delete_distance.order()
             if self._distance.active:
@@ -611,10 +611,9 @@ class Channel:
         """How the path is driven (runtime.hli.layout.PathWay)."""
         return _WAYS[self.backward.way]
 
-    def _travel(self, inputs: ChannelInputs) -> Travel:
-        if self.backward.backward:
-            return Travel.BACKWARD
-        return Travel.SIMULATED_FORWARD if self.backward.replaying or inputs.simulate_motion else Travel.FORWARD
+    def _travel(self) -> Travel:
+        """How functions count where the path is driven again, or in simulated motion."""
+        return Travel.BACKWARD if self.backward.backward else Travel.SIMULATED_FORWARD
 
     def _leaves_out(self, gate: QueueRecord, inputs: ChannelInputs) -> bool:
         """Whether the section that begins here is left out forward."""
