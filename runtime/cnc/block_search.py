@@ -53,11 +53,11 @@ class BlockSearching:
     def state(self) -> SearchState:
         return self._partner.state
 
-    def begin(self, order: StartOrder) -> None:
-        """A program starts. An older point of interruption stays until the new program moves."""
+    def begin(self, order: StartOrder, *, locked: bool) -> None:
+        """A program starts. An older point of interruption stays until the new program moves, which a locked one never does."""
         self._shift = 0.0
         self._follows, self._next = False, None
-        if order.mode == Mode.AUTOMATIC and not order.text:
+        if order.mode == Mode.AUTOMATIC and not order.text and not locked:
             self._next = PointOfInterruption(
                 order.program, (order.start if order.begin is None else order.begin).copy()
             )

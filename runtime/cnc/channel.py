@@ -240,7 +240,7 @@ class Channel:
         self.queue.discard_all()
         self.beside.begin()
         self.jobs.begin()
-        self.search.begin(order)
+        self.search.begin(order, locked=locked)
         self._delete_distance.begin()
         self.backward.begin(off=not keeps_path)
         self.interpolator.restart(order.start)

@@ -539,3 +539,21 @@ def test_a_search_that_is_aborted_keeps_the_place_that_was_known(driven: Driven)
     search(driven, changed, SearchKind.INTERRUPTION)
     driven.until(lambda: bool(driven.alarms))
     assert driven.alarm(errors.SEARCH_CHANGED)
+
+
+@pytest.mark.spec(SPEC)
+def test_a_program_with_locked_axes_is_nowhere(driven: Driven) -> None:
+    driven.start(PART)
+    wait_for_way(driven, 60.0)
+    driven.reset()
+    driven.until_done()
+    before = driven.channel.search.point
+    driven.operator.machine_lock_w = True
+    driven.watch(2)
+    driven.start(PART)
+    driven.watch(300)
+    driven.reset()
+    driven.until_done()
+    assert driven.channel.search.point is before
+    assert before is not None
+    assert before.valid
