@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Final
@@ -28,7 +27,7 @@ from runtime.diagnostics.errors import ErrorEntry
 from runtime.drives import BusFigures, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
 from runtime.fieldbus.beat import Beat
-from runtime.fieldbus.boot import OPERATIONAL, BootSequence
+from runtime.fieldbus.boot import BootSequence
 from runtime.fieldbus.dcf import read_configuration
 from runtime.fieldbus.described import make_links
 from runtime.fieldbus.dialogue import SYNC, Download, NodeDialogues
@@ -37,9 +36,9 @@ from runtime.fieldbus.io_exchange import IoExchange
 from runtime.fieldbus.leaving import stop_all
 from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
 from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, as_fd, fill
+from runtime.fieldbus.node_watch import NodeWatch
 from runtime.fieldbus.outage import Outage
 from runtime.fieldbus.questions import Questions
-from runtime.fieldbus.rejoin import Rejoin
 
 MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the next cycle
 MAX_STALE_FRAMES: Final = 10_000
@@ -50,7 +49,6 @@ ERROR_FRAME_BUS_OFF: Final = 0x40  # SocketCAN: CAN_ERR_BUSOFF
 BOOT_UP: Final = 0
 DEVICE_TYPE_QUESTION: Final = bytes((0x40, 0x00, 0x10, 0, 0, 0, 0, 0))  # SDO upload of object 0x1000
 TOLD_PAUSE: Final = 1.0  # s after which a foreign SYNC is told again
-EMERGENCY_PAUSE: Final = 1.0  # s in which the same emergency of a node is told once
 RESTING: Final = (
     DriveState.OFFLINE,
     DriveState.NOT_READY_TO_SWITCH_ON,
@@ -96,9 +94,7 @@ class CanopenMaster:
         self._links: Links = []
         self._drives: list[DriveLink] = []
         self._table: dict[int, Receiver] = {}
-        self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
         self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
-        self._boot_ups: Counter[int] = Counter()  # by node id
         self._questions: dict[int, Questions] = {}  # by node id: to nodes in operation
         self._virtual = [i for i, axis in enumerate(machine.axes) if axis.drive is None and not name]
         self._forget()
@@ -108,9 +104,7 @@ class CanopenMaster:
         self._running = False
         self._outage.forget()
         self._error_frames = 0
-        self._rejoins = {}
         self._questions = {}
-        self._watching = False
         self._heard_master = False
         self._foreign_sync_told = -math.inf
         self._drained_at = 0.0  # s, when no frame was left in the queue
@@ -123,6 +117,7 @@ class CanopenMaster:
         guarded = [link.node for link in self._links if link.guarded]
         self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
         self._io = IoExchange(self.image, self._links, self._send)
+        self._watch = NodeWatch(self.image, self._config, self.name, self._links, self._send_data, self._io.refresh)
         if not self._shares_image:
             forget(self.image)
 
@@ -151,8 +146,9 @@ class CanopenMaster:
             self._dialogues,
             self._wait,
             lambda: self._heard_master,
-            self._boot_ups,
+            self._watch.boot_ups,
         )
+        self._watch.begin(self._dialogues)
         self._clients = self._boot.clients
         self._table = self._receivers()
         try:
@@ -170,11 +166,11 @@ class CanopenMaster:
         except BUS_ERRORS as error:
             raise self._gone_at_start(error) from error
         self._io.publish()
-        self._running = True
-        self._cycle_time = self._drained_at = self._now()
+        self._running = self._watch.running = True
+        self._cycle_time = self._watch.now = self._drained_at = self._now()
         for link in self._links:
             if not link.booted:
-                self._lose(link, catalogue.NODE_ABSENT.id)
+                self._watch.lose(link, catalogue.NODE_ABSENT.id)
 
     def _downloads(self) -> dict[int, Download]:
         """The configuration files of the nodes of this bus. Raises FieldbusError for one that cannot be used."""
@@ -203,15 +199,13 @@ class CanopenMaster:
         table[self._beat.heartbeat.arbitration_id] = self._on_foreign_master
         for link in self._links:
             table |= link.receivers()
-            table[0x080 + link.node] = partial(self._on_emergency, link)
             table[0x580 + link.node] = partial(self._on_sdo, link)
-            table[0x700 + link.node] = partial(self._on_heartbeat, link)
-        return table
+        return table | self._watch.receivers()
 
     def _on_sdo(self, link: DriveLink | IoLink, data: bytearray) -> None:
-        if rejoin := self._rejoins.get(link.node):
-            rejoin.on_answer(data)
-        elif questions := self._questions.get(link.node):
+        if self._watch.on_answer(link, data):
+            return
+        if questions := self._questions.get(link.node):
             questions.on_answer(data)
         elif not self._running:
             self._clients[link.node].take(data)
@@ -262,7 +256,7 @@ class CanopenMaster:
             self._move_virtual_axes()
         if not self._running:
             return
-        self._cycle_time = now = self._now()
+        self._cycle_time = self._watch.now = now = self._now()
         if self._outage.gone:
             self._look_for_bus(now)
             return
@@ -279,7 +273,7 @@ class CanopenMaster:
                 link.feedback(image, self._period)
         if drained:
             self._drained_at, self._flood_told = now, False
-            self._watch(now)
+            self._watch.look(now)
         elif now - self._drained_at > self._config.heartbeat_timeout and not self._flood_told:
             self._flood_told = True
             self._tell(catalogue.BUS_FLOODED)
@@ -311,8 +305,7 @@ class CanopenMaster:
                 for message in link.further:
                     self._send(message)
             self._io.send_outputs(self._cycle_time)
-            if self._rejoins:
-                self._step_rejoins()
+            self._watch.step()
         except BUS_ERRORS as error:
             self._bus_failed(error)
 
@@ -377,104 +370,10 @@ class CanopenMaster:
 
     # -- what goes wrong ---------------------------------------------------------------------------------------------
 
-    def _watch(self, now: float) -> None:
-        """Heartbeats of all nodes, process data of the drives. Time runs from the first cycle on, not the boot."""
-        timeout = self._config.heartbeat_timeout
-        if not self._watching:
-            self._watching = True
-            for link in self._links:
-                link.last_heartbeat = link.last_data = now
-        if not timeout or not self._config.heartbeat:
-            return
-        latest = now - timeout
-        for link in self._links:
-            if link.last_heartbeat < latest:
-                self._lose(link, catalogue.HEARTBEAT_LOST.id)
-        for drive in self._drives:
-            if drive.last_data < latest:
-                self._lose(drive, catalogue.PROCESS_DATA_LOST.id)
-
-    def _lose(self, link: DriveLink | IoLink, error_id: int, code: int = 0) -> None:
-        """The node is gone, its configuration may be lost: it has to go the whole way of the boot to come back."""
-        if link.lost:
-            return
-        link.loss = self._event(link, error_id, code)
-        self.image.events.append(link.loss)
-        self._put_out(link)
-
-    def _put_out(self, link: DriveLink | IoLink) -> None:
-        link.lost = True
-        self._rejoins[link.node] = Rejoin(link, self._dialogues, self._send_data, self._cycle_time)
-        if isinstance(link, DriveLink):
-            link.lose()
-            self.image.state[link.axis] = DriveState.OFFLINE
-            self.image.actual_velocity[link.axis] = 0.0
-
-    def _step_rejoins(self) -> None:
-        """Nodes on their way back, one step each. Raises can.CanError."""
-        for rejoin in list(self._rejoins.values()):
-            joined = rejoin.step(self._cycle_time)
-            if refusal := rejoin.refusal:
-                rejoin.refusal = None
-                event = self._event(
-                    rejoin.link, catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text
-                )
-                if rejoin.told is None or event.code != rejoin.told.code:  # tried again and again, told once
-                    rejoin.told = event
-                    self.image.events.append(event)
-            if joined:
-                self._take_in(rejoin.link)
-
-    def _take_in(self, link: DriveLink | IoLink) -> None:
-        """The node is in operation again; a drive is disabled, and its axis in tracking."""
-        del self._rejoins[link.node]
-        link.lost, link.loss = False, None
-        link.last_heartbeat = link.last_data = self._cycle_time
-        if isinstance(link, DriveLink):
-            link.fresh = False
-        else:
-            self._io.refresh()  # it has to hear them, changed or not
-        self.image.events.append(self._event(link, catalogue.NODE_REJOINED.id, 0, _moved(link)))
-
     def _send_data(self, cob_id: int, data: bytes) -> None:
         message = can.Message(arbitration_id=cob_id, is_extended_id=False, dlc=len(data))
         fill(message, data)
         self._send(message)
-
-    def _on_heartbeat(self, link: DriveLink | IoLink, data: bytearray) -> None:
-        if not data:
-            return
-        state = data[0] & 0x7F
-        if link.guarded and state != BOOT_UP:
-            toggle = data[0] >> 7
-            if toggle == link.toggle:  # the answer before, once more: no sign of life (CiA 301, node guarding)
-                return
-            link.toggle = toggle
-        link.nmt_state = state
-        link.last_heartbeat = self._cycle_time
-        if state == BOOT_UP:
-            link.booted = True
-            self._boot_ups[link.node] += 1
-        if self._running and not link.lost and state != OPERATIONAL:
-            entry = catalogue.NODE_RESTARTED if state == BOOT_UP else catalogue.NODE_LEFT_OPERATIONAL
-            self._lose(link, entry.id, state)
-        if rejoin := self._rejoins.get(link.node):
-            rejoin.on_heartbeat(state)
-
-    def _on_emergency(self, link: DriveLink | IoLink, data: bytearray) -> None:
-        if len(data) < 3 or not self._running:
-            return
-        code = data[0] | data[1] << 8
-        if code & 0xFF00:
-            self.image.emcy_count += 1
-            before, told = link.last_emergency
-            if code != before or self._cycle_time - told >= EMERGENCY_PAUSE:  # a storm must not bury the other alarms
-                link.last_emergency = code, self._cycle_time
-                self.image.events.append(self._event(link, catalogue.EMERGENCY.id, code))
-        else:
-            code = 0  # error reset
-        if link.axis >= 0:
-            self.image.fault_code[link.axis] = code
 
     def _on_error_frame(self, error_class: int) -> None:
         if error_class & ERROR_FRAME_BUS_OFF and self._running:
@@ -490,9 +389,7 @@ class CanopenMaster:
         outage.sending_works = False
         if outage.gone:
             return
-        for link in self._links:
-            link.loss = link.loss or self._event(link, catalogue.HEARTBEAT_LOST.id)
-            self._put_out(link)
+        self._watch.lose_all()
         self._io.publish()
         self._show(load=0.0, gone=True)
         outage.begin(self._tell(entry, code), self._cycle_time)
@@ -533,10 +430,7 @@ class CanopenMaster:
         if self._outage.gone is not None:
             self.image.events.append(self._outage.gone)
             return
-        self.image.events.extend(link.loss for link in self._links if link.loss is not None and not link.optional)
-
-    def _event(self, link: DriveLink | IoLink, error_id: int, code: int = 0, text: str = "") -> DriveEvent:
-        return link.event(error_id, code, text)._replace(bus=self.name)
+        self.image.events.extend(self._watch.lost_again())
 
     def _tell(self, entry: ErrorEntry, code: int = 0) -> DriveEvent:
         """An event of the bus itself."""
@@ -586,7 +480,7 @@ class CanopenMaster:
 
     def leave(self) -> None:
         """The last word: all nodes to pre-operational. Never raises."""
-        self._running = False
+        self._running = self._watch.running = False
         try:
             for link in self._links:
                 self._network.send_message(0, bytes((128, link.node)))
@@ -599,10 +493,3 @@ def forget(image: DriveImage) -> None:
     image.events.clear()
     image.state[:] = DriveState.OFFLINE
     image.fault_code[:] = 0
-
-
-def _moved(link: DriveLink | IoLink) -> str:
-    """How far a drive was moved while nobody looked."""
-    if not isinstance(link, DriveLink) or not link.moved:
-        return ""
-    return f"; it was moved by {link.moved / link.increments_per_unit:+.3f} meanwhile"
