@@ -20,6 +20,17 @@ DIGITAL_BYTES = 64
 ANALOGUE_VALUES = 32
 
 
+# Bits of the touch probe's function (0x60B8) and status (0x60B9); those of probe 2 stand 8 bits higher
+PROBE_ON: Final = 0x01
+PROBE_CONTINUOUS: Final = 0x02
+PROBE_RISING: Final = 0x10
+PROBE_FALLING: Final = 0x20
+PROBE_IS_ON: Final = 0x01
+PROBE_HAS_RISEN: Final = 0x02
+PROBE_HAS_FALLEN: Final = 0x04
+PROBE_2_SHIFT: Final = 8
+
+
 class DriveState(IntEnum):
     """The states of IEC 61800-7-201 (CiA 402), and OFFLINE for a node that does not answer."""
 

@@ -79,16 +79,6 @@ NEGATIVE_LIMIT_BIT: Final = 0x1
 POSITIVE_LIMIT_BIT: Final = 0x2
 HOME_SWITCH_BIT: Final = 0x4
 
-# Bits of the touch probe's function (0x60B8) and status (0x60B9); those of probe 2 stand 8 bits higher
-PROBE_ON: Final = 0x01
-PROBE_CONTINUOUS: Final = 0x02
-PROBE_RISING: Final = 0x10
-PROBE_FALLING: Final = 0x20
-PROBE_IS_ON: Final = 0x01
-PROBE_HAS_RISEN: Final = 0x02
-PROBE_HAS_FALLEN: Final = 0x04
-PROBE_2_SHIFT: Final = 8
-
 
 class Stop(IntEnum):
     """How a drive comes to rest: values of the option codes 0x605A to 0x605E; 5 to 8 are 1 to 4, and it stays enabled."""

@@ -267,7 +267,10 @@ class MC_Stop(_Execute):  # noqa: N801
 
 
 class MC_Home(_Execute):  # noqa: N801
-    """Homing. An axis with an absolute encoder has its reference, the job is done at once."""
+    """Homing: at the cam or by the drive, as the machine description says, and to the position of the reference.
+
+    An axis with an absolute encoder has its reference, the job is done at once.
+    """
 
     __slots__ = ()
 
@@ -382,7 +385,9 @@ class MC_Phasing(_Move):  # noqa: N801
 class MC_TouchProbe(_Execute):  # noqa: N801
     """RecordedPosition is where the axis was at the next edge of an input.
 
-    TriggerInput: number of the digital input in the image, from 1; Mode 1 falling, 2 rising edge.
+    TriggerInput: number of the digital input in the image, from 1, seen once per cycle; or 513 or 514: touch probe 1 or 2 of
+    the drive of the axis, which latches the position at the edge itself (`process_data` of the drive). Mode 1 falling, 2 rising
+    edge.
     """
 
     __slots__ = ("RecordedPosition",)

@@ -107,9 +107,9 @@ class Controller:
         indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
         spindles = [Spindle(machine.axes[i], i, period) for i in indices]
         inputs, _ = io_bits(machine)
-        self._cam_bits = [inputs.get(axis.homing.switch or "", -1) if axis.homing else -1 for axis in path_axes]
+        self._cam_bits = [inputs.get(axis.homing.switch or "", -1) if axis.homing else -1 for axis in machine.axes]
         homing = [HomingDrive(drives.image, i) for i in self._path_list]
-        self.beside = BesidePath(path_axes, period, described.parameters, self._cam, self._shift, homing)
+        self.beside = BesidePath(path_axes, period, described.parameters, self._path_cam, self._path_shift, homing)
         self.channel = Channel(
             queue,
             self.interpolator,
@@ -138,7 +138,7 @@ class Controller:
         self.compensation = AxisCompensation(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
-        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list, self.channel.jobs.ordered)
+        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list, self.channel.jobs.ordered, self)
         self.beside.commands = self.orders.manual
         self.supervision.lag_monitored = self.orders.lag_monitored
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
@@ -238,19 +238,32 @@ class Controller:
             elif i not in self._astray:
                 self.drives.image.target_position[i] = self.interpolator.position[k] + self.beside.offset[k]
 
-    def _cam(self, k: int) -> bool | None:
-        """Whether path axis k stands on its reference cam: from the PLC, or else from its input; None if nobody tells."""
-        told = self.orders.reference_cam(self._path_list[k])
-        bit = self._cam_bits[k]
+    def _path_cam(self, k: int) -> bool | None:
+        return self.cam(self._path_list[k])
+
+    def _path_shift(self, k: int, way: float) -> None:
+        self.shift(self._path_list[k], way)
+
+    def cam(self, axis: int) -> bool | None:
+        """Whether an axis stands on its reference cam: from the PLC, or else from its input; None if nobody tells."""
+        told = self.orders.reference_cam(axis)
+        bit = self._cam_bits[axis]
         if told is not None or bit < 0:
             return told
         return bool(self.drives.image.digital_in[bit // 8] >> (bit % 8) & 1)
 
-    def _shift(self, k: int, way: float) -> None:
-        """Path axis k has found its reference: its coordinates shift, and so does where it is."""
-        image, i = self.drives.image, self._path_list[k]
+    def shift(self, axis: int, way: float) -> None:
+        """An axis has found its reference: its coordinates shift, and so does where it is."""
+        image = self.drives.image
         for positions in (image.origin, image.actual_position, image.target_position):
-            positions[i] += way
+            positions[axis] += way
+
+    def refer(self, axis: int, has_reference: bool) -> None:
+        """A job has homed an axis, or begins to."""
+        if axis in self._path_list:
+            self.beside.referenced[self._path_list.index(axis)] = has_reference
+        else:
+            self.memory.hli.axes[axis].status.referenced_r = has_reference
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []

@@ -118,9 +118,9 @@ class Publisher:
         self._analogue_in = np.frombuffer(hli.image.analogue_in_r)
         self._analogue_out = np.frombuffer(hli.image.analogue_out_w)
         describe_machine(hli, machine)
-        for axis in hli.axes[: len(machine.axes)]:
+        for axis, described in zip(hli.axes, machine.axes, strict=False):
             axis.status.drive_type_r = _CANOPEN if real else _SIMULATION
-            axis.status.referenced_r = True  # spindles; see `_beside` for the path axes
+            axis.status.referenced_r = described.homing is None  # see `_beside` for the path axes
         self._path_areas = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
         self._interruption = self._status.interruption
         self._told_point: PointOfInterruption | None = None

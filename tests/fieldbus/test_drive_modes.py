@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from runtime import drives
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DriveMode, DriveState, HomingState
 from runtime.fieldbus import cia402
@@ -388,17 +389,17 @@ def test_the_probe_latches_the_place_of_the_edge_and_not_of_a_cycle() -> None:
         image.origin[X] += 1.0
         image.target_position[X] += 1.0  # the axis counts otherwise than the drive
         rig.cycle(3)
-        image.probe_function[X] = cia402.PROBE_ON | cia402.PROBE_RISING | cia402.PROBE_FALLING
+        image.probe_function[X] = drives.PROBE_ON | drives.PROBE_RISING | drives.PROBE_FALLING
         rig.cycle(3)
-        assert image.probe_status[X] == cia402.PROBE_IS_ON
+        assert image.probe_status[X] == drives.PROBE_IS_ON
         follow(rig, 30.0, 300)
         rig.cycle(20)
-        assert image.probe_status[X] & cia402.PROBE_HAS_RISEN
-        assert not image.probe_status[X] & cia402.PROBE_HAS_FALLEN
+        assert image.probe_status[X] & drives.PROBE_HAS_RISEN
+        assert not image.probe_status[X] & drives.PROBE_HAS_FALLEN
         assert image.probe_position[X, 0] == pytest.approx(13.3456, abs=1e-4)
         follow(rig, -30.0, 300)
         rig.cycle(20)
-        assert image.probe_status[X] & cia402.PROBE_HAS_FALLEN
+        assert image.probe_status[X] & drives.PROBE_HAS_FALLEN
         assert image.probe_position[X, 1] == pytest.approx(13.3456, abs=1e-4)
         image.probe_function[X] = 0
         rig.cycle(150)

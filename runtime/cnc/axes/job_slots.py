@@ -4,21 +4,54 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.axes.axis_plan import Dynamics
 from runtime.cnc.axes.gear import MasterPlaces
-from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, Followed, spelt
-from runtime.config.machine import AxisType, Machine
+from runtime.cnc.axes.homing import AxisHoming, HomingDrive
+from runtime.cnc.axes.jobs import DRIVE_PROBES, AxisCycle, AxisJobs, Followed, spelt
+from runtime.config.machine import Axis, AxisType, Machine
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Problem
-from runtime.drives import DriveImage
+from runtime.drives import (
+    PROBE_2_SHIFT,
+    PROBE_FALLING,
+    PROBE_HAS_FALLEN,
+    PROBE_HAS_RISEN,
+    PROBE_IS_ON,
+    PROBE_ON,
+    PROBE_RISING,
+    DriveImage,
+)
 from runtime.hli.axis_jobs import Answer, JobSlot
 from runtime.hli.layout import Hli, JobState, MotionState
 
 Commands = Callable[[int], tuple[float, bool]]  # index of an axis -> override, hold
+
+
+def _probes(axis: Axis) -> frozenset[tuple[int, int]]:
+    """Number and edge of the touch probes that the drive of an axis latches."""
+    if axis.drive is None:
+        return frozenset()
+    edges = {"rising": 2, "falling": 1}
+    names = [name.split("_") for name in axis.drive.process_data if name.startswith("probe_")]
+    return frozenset((DRIVE_PROBES + int(number) - 1, edges[edge]) for _, number, edge in names)
+
+
+class References(Protocol):
+    """Cams and references of the axes, by their index in the machine."""
+
+    def cam(self, axis: int) -> bool | None:
+        """Whether the axis stands on its reference cam, None if nobody tells."""
+
+    def shift(self, axis: int, way: float) -> None:
+        """The coordinates of the axis shift as a whole."""
+
+    def refer(self, axis: int, has_reference: bool) -> None:
+        """The axis has its reference, or has lost it."""
 
 
 class MachineJobs:
@@ -31,8 +64,13 @@ class MachineJobs:
         image: DriveImage,
         path: list[int],
         ordered: deque[tuple[int, Followed]] | None = None,
+        references: References | None = None,
     ) -> None:
-        """`path`: indices of the axes of the channel; `ordered`: jobs of its program with their axes, taken in every cycle."""
+        """`path`: indices of the axes of the channel; `ordered`: jobs of its program with their axes, taken in every cycle.
+
+        `references`: who knows cams and references of the axes; without it no axis can look for its reference.
+        """
+        self._references = references
         self._ordered = deque[tuple[int, Followed]]() if ordered is None else ordered
         self._of_program: list[list[Followed]] = [[] for _ in machine.axes]
         self._image = image
@@ -53,12 +91,17 @@ class MachineJobs:
                 np.inf if axis.position_max is None else axis.position_max,
                 masters,
                 absolute=axis.homing is None,
+                probes=_probes(axis),
                 modulo=axis.type is AxisType.ROTARY and axis.position_min is None and axis.position_max is None,
             )
             for i, axis in enumerate(machine.axes)
         ]
+        for i, (axis, jobs) in enumerate(zip(machine.axes, self.axes, strict=True)):
+            if jobs is not None and axis.homing is not None and references is not None:
+                jobs.homing = AxisHoming(axis, jobs.base, HomingDrive(image, i), period)
         self._slots = [JobSlot(hli.axes[i]) for i in range(len(machine.axes))]
         self._units = [slot.unit for slot in self._slots]
+        self._armed = [False] * len(machine.axes)  # the drive waits for the edge of its probe
         self._before: list[tuple[bool, bool, bool] | None] = [None] * len(machine.axes)
         self.problems: list[tuple[int, Problem]] = []  # with the axis; taken by the controller
 
@@ -99,21 +142,56 @@ class MachineJobs:
         cycle = AxisCycle(
             on, fault, in_path, float(image.target_position[i]), actual, in_position, override, hold, unit.stop_hold_w
         )
+        references = self._references if jobs.homing is not None else None
+        if references is not None:
+            cycle.cam = references.cam(i)
+        homed = jobs.homes
         job = self._slots[i].take()
         if job is not None:
             jobs.give(job, cycle)
         for followed in self._of_program[i]:
             jobs.take(followed, cycle)
         self._of_program[i].clear()
-        if jobs.probe_input:
-            bit = jobs.probe_input - 1
-            byte = int(image.digital_in[bit // 8]) if bit // 8 < len(image.digital_in) else 0
-            jobs.trigger(bool(byte >> bit % 8 & 1), actual)
+        self._step_probe(i, jobs, actual)
         place = jobs.step(cycle)
+        if references is not None:
+            self._tell_reference(i, jobs, references, homed)
         if place is not None:
             image.target_position[i] = place
         if jobs.changed or jobs.problems or unit.motion_state_r != jobs.state or unit.error_id_r != jobs.error:
             self._tell(i, jobs)
+
+    def _tell_reference(self, i: int, jobs: AxisJobs, references: References, homed: bool) -> None:
+        """What homing has done in this cycle; `homed`: it was under way before."""
+        if jobs.homes and not homed:
+            references.refer(i, False)
+        if jobs.shift:
+            references.shift(i, jobs.shift)
+            jobs.shift = 0.0
+        if jobs.referenced:
+            jobs.referenced = False
+            references.refer(i, True)
+
+    def _step_probe(self, i: int, jobs: AxisJobs, actual: float) -> None:
+        """An input of the image is seen once per cycle; a probe of the drive is latched by the drive itself."""
+        image, number = self._image, jobs.probe_input
+        if 0 < number < DRIVE_PROBES:
+            bit = number - 1
+            byte = int(image.digital_in[bit // 8]) if bit // 8 < len(image.digital_in) else 0
+            jobs.trigger(bool(byte >> bit % 8 & 1), actual)
+        if number < DRIVE_PROBES:
+            if image.probe_function[i]:
+                image.probe_function[i], self._armed[i] = 0, False
+            return
+        second = number > DRIVE_PROBES
+        status = int(image.probe_status[i]) >> (PROBE_2_SHIFT if second else 0)
+        stored, edge = (PROBE_HAS_RISEN, PROBE_RISING) if jobs.probe_rises else (PROBE_HAS_FALLEN, PROBE_FALLING)
+        if not self._armed[i]:  # what an earlier order has latched must be gone
+            self._armed[i] = not status & PROBE_IS_ON
+            image.probe_function[i] = (PROBE_ON | edge) << (PROBE_2_SHIFT if second else 0) if self._armed[i] else 0
+        elif status & stored:
+            jobs.latch(float(image.probe_position[i, 2 * second + (not jobs.probe_rises)]))
+            image.probe_function[i], self._armed[i] = 0, False
 
     def _tell(self, i: int, jobs: AxisJobs) -> None:
         slot, unit = self._slots[i], self._units[i]

@@ -5,6 +5,7 @@
                                ├──▶ DiscreteMotion ────────────────────┤
                                ├──▶ ContinuousMotion   (MoveVelocity, GearOut)
                                ├──▶ SynchronizedMotion (GearIn)        │
+                               ├──▶ Homing ────────────────────────────┤
     from each of them:         ├──▶ Stopping  (MC_Stop, until Execute falls)
                                └──▶ ErrorStop (the machine had to stop the axis, until MC_Reset)
 
@@ -25,6 +26,7 @@ from dataclasses import dataclass, field, replace
 
 from runtime.cnc.axes.axis_plan import Dynamics, Plan, State, plan_speed, proven
 from runtime.cnc.axes.gear import Gear, MasterPlaces, Motion, surely_stops
+from runtime.cnc.axes.homing import AxisHoming, HomingPhase
 from runtime.cnc.axes.modulo import chosen_turn
 from runtime.cnc.axes.single_axis import Goal, SingleAxis
 from runtime.diagnostics.catalogue import axis_jobs as errors
@@ -38,12 +40,14 @@ _SUPERIMPOSED = (AxisFunction.MOVE_SUPERIMPOSED, AxisFunction.PHASING)
 _OPEN = (JobState.BUSY, JobState.ACTIVE, JobState.REACHED)
 _ACTUAL_VALUES, _PHASE_COMPENSATION = 128, 256  # bits of the mode of a gear
 _FALLING = 1  # edge of a probe
+DRIVE_PROBES = 513  # number of the first touch probe of the axis's own drive: behind the inputs of the image
 _STATES = {
     **dict.fromkeys((*_MOVES, AxisFunction.HALT), MotionState.DISCRETE_MOTION),
     AxisFunction.MOVE_VELOCITY: MotionState.CONTINUOUS_MOTION,
     AxisFunction.GEAR_OUT: MotionState.CONTINUOUS_MOTION,
     AxisFunction.GEAR_IN: MotionState.SYNCHRONIZED_MOTION,
     AxisFunction.STOP: MotionState.STOPPING,
+    AxisFunction.HOME: MotionState.HOMING,
 }
 _ROUNDING = 1e-6
 _SEEN = 2  # cycles until velocity and acceleration of a master are known
@@ -87,6 +91,7 @@ class AxisCycle:
     override: float = 1.0
     hold: bool = False
     stop_hold: bool = False
+    cam: bool | None = None  # the axis stands on its reference cam; None: nobody tells
 
 
 @dataclass(slots=True)
@@ -116,8 +121,12 @@ class AxisJobs:
         *,
         absolute: bool = True,
         modulo: bool = False,
+        probes: frozenset[tuple[int, int]] = frozenset(),
     ) -> None:
-        """`absolute`: the encoder has its reference always, so homing has nothing to do. `modulo`: it turns without end."""
+        """`absolute`: the encoder has its reference always, so homing has nothing to do. `modulo`: it turns without end.
+
+        `probes`: number (from `DRIVE_PROBES` on) and edge of the touch probes that the drive latches itself.
+        """
         self.name = name
         self._index = index
         self._limits = limits
@@ -126,9 +135,12 @@ class AxisJobs:
         self._masters = masters
         self._absolute = absolute
         self._modulo = modulo
-        self._base = SingleAxis(limits, period, least, greatest)
+        self._probes = probes
+        self.base = self._base = SingleAxis(limits, period, least, greatest)
+        self.homing: AxisHoming | None = None  # of `base`; of an axis that has to look for its reference
         self._extra = SingleAxis(limits, period)
         self._stopping_plan = Plan()
+        self._on_cam = False  # where homing begins
         self._offset = 0.0
         self._gear: Gear | None = None
         self._gear_state = State(0.0, 0.0, 0.0)  # of the slave while it follows
@@ -137,6 +149,8 @@ class AxisJobs:
         self._added: Followed | None = None  # superimposed
         self._probe: Followed | None = None
         self._probe_before: bool | None = None
+        self.referenced = False  # homing has found the reference; taken by the caller
+        self.shift = 0.0  # by which the coordinates of the axis shift in this cycle; taken by the caller
         self.owned = False  # jobs say where the axis goes
         self.state = MotionState.DISABLED
         self.error = 0  # why it is in ErrorStop
@@ -167,7 +181,7 @@ class AxisJobs:
         if function is AxisFunction.RESET:
             self.reset()
             self._tell(followed, JobState.DONE)
-        elif function is AxisFunction.HOME:
+        elif function is AxisFunction.HOME and self._absolute:
             self._tell(followed, JobState.DONE)
         elif function is AxisFunction.TOUCH_PROBE:
             if self._probe is not None:
@@ -202,7 +216,10 @@ class AxisJobs:
         self._leave_gear()
         self._join()
         self._current = self._next = self._added = None
-        self._base.stop()
+        if self.homes and self.homing is not None:
+            self.homing.cancel()
+        else:
+            self._base.stop()
         self.error = errors.JOB_STOPPED.id
         self.state = MotionState.ERROR_STOP
 
@@ -212,6 +229,8 @@ class AxisJobs:
             if followed is not None and followed.open:
                 self._tell(followed, JobState.ABORTED)
         self._current = self._next = self._added = self._gear = None
+        if self.homes and self.homing is not None:
+            self.homing.forget()
         self.owned = False
 
     def reset(self) -> None:
@@ -231,6 +250,9 @@ class AxisJobs:
             self.state = MotionState.ERROR_STOP if self.error else MotionState.STANDSTILL
         if not self.owned:
             return None
+        if self.homes and self.homing is not None:
+            self._home(self.homing, cycle)
+            return self.position
         stopping = self._current is None or self._current.job.function in (AxisFunction.STOP, AxisFunction.HALT)
         if self._gear is not None:
             self._follow(self._gear, cycle.hold)
@@ -248,6 +270,31 @@ class AxisJobs:
         return self.position
 
     @property
+    def homes(self) -> bool:
+        """The axis looks for its reference, or comes to rest from that."""
+        return self.homing is not None and not self.homing.over
+
+    def _home(self, homing: AxisHoming, cycle: AxisCycle) -> None:
+        """One cycle of homing; where the coordinates shift, `shift` has that for the caller."""
+        current = self._current
+        self.shift = homing.step(bool(cycle.cam), cycle.actual, 0.0, cycle.override, cycle.hold)
+        if homing.phase is HomingPhase.LATE:
+            homing.phase = HomingPhase.STOPPING
+        elif homing.phase is not HomingPhase.DONE and homing.phase is not HomingPhase.FAILED:
+            return
+        self._set_base_limits()
+        if current is None or current.job.function is not AxisFunction.HOME:
+            return
+        if homing.phase is HomingPhase.DONE:
+            self.referenced = True
+            self._end(current)
+            return
+        self._fail(current, self._problem(errors.JOB_HOME_FAILED, current.job))
+        self._current = None
+        self.error = errors.JOB_HOME_FAILED.id
+        self.state = MotionState.ERROR_STOP
+
+    @property
     def position(self) -> float:
         """The set-point."""
         base = self._gear_state.p if self._gear is not None else self._base.position
@@ -257,7 +304,7 @@ class AxisJobs:
     def standing(self) -> bool:
         """The set-point rests."""
         still = self._gear_state.v == 0.0 if self._gear is not None else self._base.standstill
-        return not self.owned or (still and self._extra.standstill)
+        return not self.owned or (still and self._extra.standstill and not self.homes)
 
     @property
     def moving(self) -> bool:
@@ -271,9 +318,19 @@ class AxisJobs:
         if probe is None or before is None or before is level:
             return
         if level is not (probe.job.mode == _FALLING):
-            self._probe = None
-            probe.answer = Answer(JobState.DONE, 0, actual)
+            self.latch(actual)
+
+    def latch(self, position: float) -> None:
+        """The probe that is waited for has seen its edge where the axis was at `position`."""
+        probe, self._probe = self._probe, None
+        if probe is not None:
+            probe.answer = Answer(JobState.DONE, 0, position)
             self.changed.append(probe)
+
+    @property
+    def probe_rises(self) -> bool:
+        """The edge that a probe waits for is a rising one."""
+        return self._probe is not None and self._probe.job.mode != _FALLING
 
     @property
     def probe_input(self) -> int:
@@ -355,7 +412,13 @@ class AxisJobs:
         self._current = followed
         self._set_base_limits()
         function = job.function
-        if function in _MOVES:
+        if self.homes and self.homing is not None:
+            self.homing.cancel()
+        elif function is AxisFunction.HOME and self.homing is not None:
+            self._base.restart(self.position)
+            self._offset = 0.0
+            self.homing.begin(self._on_cam)
+        elif function in _MOVES:
             self._base.move_to(target - self._offset, dynamics)
         elif function is AxisFunction.MOVE_VELOCITY:
             self._base.move_at(self._endless_velocity(job), dynamics)
@@ -604,8 +667,14 @@ class AxisJobs:
             return self._problem(errors.JOB_ERROR_STOP, job)
         if self.state is MotionState.STOPPING and function is not AxisFunction.STOP:
             return self._problem(errors.JOB_STOPPING, job)
+        if self.homes and function not in (AxisFunction.STOP, AxisFunction.HALT):
+            return self._problem(errors.JOB_HOMES, job)
         if function is AxisFunction.HOME and not self._absolute:
-            return self._problem(errors.JOB_HOME, job)
+            if self.homing is None or (cycle.cam is None and not self.homing.by_drive):
+                return self._problem(errors.JOB_HOME, job)
+            if self.moving:
+                return self._problem(errors.JOB_HOME_MOVES, job)
+            self._on_cam = bool(cycle.cam)
         wrong = wrong_values(job, 0.0 if self._modulo else job.position - self.position)
         if wrong:
             return self._problem(errors.JOB_VALUE, job, what=wrong)
@@ -629,6 +698,8 @@ class AxisJobs:
             return self._problem(
                 errors.JOB_VALUE, job, what="a probe has an input from 1 and mode 1 (falling) or 2 (rising)"
             )
+        if job.master >= DRIVE_PROBES and (job.master, job.mode) not in self._probes:
+            return self._problem(errors.JOB_NO_PROBE, job, number=job.master - DRIVE_PROBES + 1)
         return None
 
     def _aims_beyond(self, job: Job) -> Problem | None:

@@ -60,8 +60,28 @@ JOB_STOPPED = _entry(
 )
 JOB_HOME = _entry(
     308016,
-    "axis {axis}: MC_Home is not available in this version for an axis that has to look for its reference",
-    "use the operating mode HOMING, or G74",
+    "axis {axis}: MC_Home cannot look for the reference, nobody tells when the axis is on its cam",
+    "name an input in the machine description (homing.switch), let the PLC give reference_cam, or the drive home (homing.method)",
+)
+JOB_HOME_FAILED = _entry(
+    308041,
+    "axis {axis}: the reference was not found",
+    "check the switch, its wiring and the direction; a drive may not know the method (0x6098), or need more time",
+)
+JOB_HOMES = _entry(
+    308042,
+    "axis {axis}: {function} is refused while the axis looks for its reference",
+    "wait for MC_Home, or stop it (MC_Stop)",
+)
+JOB_HOME_MOVES = _entry(
+    308043,
+    "axis {axis}: MC_Home begins at rest only, and a job moves the axis",
+    "wait for the end of the job, or stop it (MC_Stop)",
+)
+JOB_NO_PROBE = _entry(
+    308040,
+    "axis {axis}: its drive does not exchange this edge of its touch probe {number}",
+    "name it in `process_data` of the drive (probe_1_rising, probe_1_falling, probe_2_rising, probe_2_falling)",
 )
 JOB_RUNS = ErrorEntry(
     308017,

@@ -9,10 +9,7 @@ import math
 from dataclasses import dataclass
 
 from runtime.config.machine import SimulatedServo
-from runtime.fieldbus.cia402 import (
-    HOME_SWITCH_BIT,
-    NEGATIVE_LIMIT_BIT,
-    POSITIVE_LIMIT_BIT,
+from runtime.drives import (
     PROBE_2_SHIFT,
     PROBE_CONTINUOUS,
     PROBE_FALLING,
@@ -22,6 +19,7 @@ from runtime.fieldbus.cia402 import (
     PROBE_ON,
     PROBE_RISING,
 )
+from runtime.fieldbus.cia402 import HOME_SWITCH_BIT, NEGATIVE_LIMIT_BIT, POSITIVE_LIMIT_BIT
 
 PROBE_BITS = (0x1_0000, 0x2_0000)  # of 0x60FD: level of probe 1 and 2
 
