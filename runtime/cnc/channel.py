@@ -5,16 +5,14 @@
                                      ▼                                       │ gate opened
                                   technology port ──▶ PLC ──▶ acknowledged ──┘
 
-The interpolator knows the path, its speed, and gates: places where it stops unless they are opened. This module decides
-when a gate is opened: functions acknowledged, spindle at speed, dwell over, operator said continue. A gate may be opened long
-before the path gets there; then the path runs through it without slowing down.
+The interpolator knows the path, its speed, and gates: places where it stops unless they are opened. `cnc/gates.py` decides
+when that is. A gate may be opened long before the path gets there; then the path runs through it without slowing down.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from enum import Enum, auto
 
 import numpy as np
@@ -24,18 +22,17 @@ from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops, Way
-from runtime.cnc.beside_path import ACTIONS, GATES, BesidePath
-from runtime.cnc.block_search import GATES as SEARCH_GATES
+from runtime.cnc.beside_path import ACTIONS, BesidePath
 from runtime.cnc.block_search import BlockSearching
+from runtime.cnc.channel_inputs import ChannelInputs
 from runtime.cnc.delete_distance import DeleteDistance
 from runtime.cnc.distance_display import DistanceDisplay
+from runtime.cnc.gates import Gates, OperatorInfluence, Surroundings
 from runtime.cnc.interpolator import Interpolator
-from runtime.cnc.interpolator.path_storage import skipped
 from runtime.cnc.job_records import read_job
-from runtime.cnc.motion_queue import ActionKind, GateReason, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import ActionKind, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
-from runtime.cnc.skipped_section import SkippedSection
 from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings, Travel
 from runtime.diagnostics.catalogue import CATALOGUE, machine
@@ -56,22 +53,13 @@ _NONE = int(StopCondition.NONE)
 _FEED_HOLD = int(StopCondition.FEED_HOLD)
 _AXIS_FEED_HOLD = int(StopCondition.AXIS_FEED_HOLD)
 _OVERRIDE_ZERO = int(StopCondition.OVERRIDE_ZERO)
-_WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
-_WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
-_DWELL = int(StopCondition.DWELL)
-_WAIT_SPINDLE = int(StopCondition.WAIT_SPINDLE)
-_SINGLE_BLOCK = int(StopCondition.SINGLE_BLOCK)
 _NO_BLOCKS = int(StopCondition.NO_BLOCKS)
 _AXIS_NOT_READY = int(StopCondition.AXIS_NOT_READY)
 _ERROR = int(StopCondition.ERROR)
 _TECHNOLOGY_FULL = int(StopCondition.TECHNOLOGY_FULL)
 _MESSAGE = int(StopCondition.MESSAGE)
 _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
-_EXACT_STOP = int(StopCondition.EXACT_STOP)
-_MANUAL = int(StopCondition.MANUAL)
 _DELETE_DISTANCE = int(StopCondition.DELETE_DISTANCE)
-_AXIS_JOB = int(StopCondition.AXIS_JOB)
-_OPTIONAL_SECTION = int(StopCondition.OPTIONAL_SECTION)
 _TURNING = int(StopCondition.TURNING)
 _BACKWARD_END = int(StopCondition.BACKWARD_END)
 _WAYS = {
@@ -83,11 +71,6 @@ _WAYS = {
 _WITHOUT_EFFECT = frozenset(
     {ActionKind.OPTIONAL_ON, ActionKind.OPTIONAL_OFF, ActionKind.CLEAR_STORAGE, ActionKind.NOTHING}
 )
-_BLOCK_SEARCH = int(StopCondition.BLOCK_SEARCH)
-_RETURN_TO_CONTOUR = int(StopCondition.RETURN_TO_CONTOUR)
-_FIRST_TIME = 1  # bit of a stop mark
-_SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
-_FATAL = 2  # remedy classes of #ERROR above it
 
 
 class Phase(Enum):
@@ -98,43 +81,6 @@ class Phase(Enum):
     RUNNING = auto()
     ABORTING = auto()  # braking on the path
     CLEARING = auto()  # standing; waits until the preparation has stopped writing
-
-
-@dataclass(frozen=True, slots=True)
-class OperatorInfluence:
-    """How what operator and PLC do acts: behind M00, M01 and single block the axes have to be in their windows (P-CHAN-00173);
-    dwells are stretched by the feed override (P-CHAN-00353) and by the time override (P-CHAN-00111)."""
-
-    looks_at_axes: bool = True
-    feed_stretches_dwell: bool = False
-    time_stretches_dwell: bool = False
-
-
-@dataclass(slots=True)
-class ChannelInputs:
-    """What the operator and the PLC want from the channel in this cycle."""
-
-    override: float = 1.0
-    rapid_override: float = 1.0  # of rapid moves
-    alone_override: float = 1.0  # of axes that are homed or moved by hand
-    external_feed: float = -1.0  # mm/s, in place of the programmed feed; negative: there is none
-    time_override: float = 1.0  # scales the time of the path, on top of the override
-    feed_hold: bool = False
-    axis_feed_hold: bool = False  # of an axis that takes part
-    single_block: bool = False
-    optional_stop: bool = False
-    continue_motion: bool = False
-    read_disable: bool = False
-    delete_distance: bool = False  # TRUE in one cycle only
-    backward: bool = False
-    simulate_motion: bool = False
-    simulate_mask: int = 0
-    stop_level: int = 0
-    restricted: bool = False  # a direction is blocked, or an axis has dynamic limits
-    # of the path axes, in their order
-    axis_holds: list[bool] = field(default_factory=list)
-    blocked: list[int] = field(default_factory=list)  # runtime.hli.layout.Blocked
-    limits: list[tuple[float, float] | None] = field(default_factory=list)  # dynamic ones, mm or degrees
 
 
 class Channel:
@@ -165,19 +111,13 @@ class Channel:
         backward: BackwardMotion | None = None,
     ) -> None:
         self._axes = axes
-        self._influence = influence or OperatorInfluence()
         self.backward = backward or BackwardMotion(interpolator, 0, RepeatedStops())
-        self._section = SkippedSection(interpolator)
         self._distance = DistanceDisplay(interpolator, area.status)
-        self._asked_on = False  # the operator has said continue, and an axis is still on its way
-        self._window = window
         self.beside = beside
         self.stop_before = stop_before
         self._delete_distance = DeleteDistance(interpolator)
         self.jobs = ProgramJobs(axis_names)
-        self._area = area
         self.search = BlockSearching(SearchPartner(area.control.block_search_on, area.status))
-        self._every_axis = (1 << len(axes)) - 1
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
@@ -198,30 +138,40 @@ class Channel:
             self.problems.append,
         )
         self.actions = Actions(queue, link, hli, area, self._tell_message, self._tell_warning)
+        around = Surroundings(
+            interpolator,
+            link,
+            area,
+            self.functions,
+            self.actions,
+            beside,
+            self.jobs,
+            self.search,
+            self.backward,
+            stop_before,
+            axes,
+            window,
+            period,
+            self.problems.append,
+        )
+        self.gates = Gates(around, influence or OperatorInfluence())
         self.spindles = spindles
         self.events = events
         self.period = period
         self.phase = Phase.IDLE
         self.program = ""
         self.error: ErrorEntry | None = None  # keeps the channel from starting until it is reset
-        self.restart_needed = False  # a program has told a fatal error: no reset clears it
         self.stop_condition = _NONE  # StopCondition
         self.program_ended = True
         self.trace_blocks = False  # every block start and end as an event
         self.block_counter = 0
         self.path_length = 0.0  # mm, of the program that ended last
-        self._dwell_left = -1.0
         self._drops = True
         self._continue_was = False
         self._told_failure = False
         self._traced_index = -1
         self._traced_block: tuple[int, int | None] = (0, None)
-        self._gate_index = -1
-        self._gate_record: QueueRecord | None = None
-        self._user_error_told = False
         self._came_to_end = False  # of the program
-        self._settling = 0.0  # s at the present #FLUSH WAIT
-        self._actual = np.zeros(0)
         self._time = 0.0
         self._cycle = 0
 
@@ -233,7 +183,8 @@ class Channel:
         self.locked = locked
         self.program_ended = False
         self.error = None
-        self._told_failure = self._user_error_told = self._came_to_end = self._asked_on = False
+        self._told_failure = self._came_to_end = False
+        self.gates.begin()
         self._traced_index = -1
         self.block_counter = 0
         self.actions.begin()
@@ -298,7 +249,7 @@ class Channel:
             self.jobs.stop()
         self.search.end(reached=self._came_to_end)
         self._distance.end()
-        self._show_stop_mark(None)
+        self.gates.end()
         self._drops = drop
         self.phase = Phase.CLEARING
 
@@ -320,6 +271,11 @@ class Channel:
         return bool(self.stop_condition & (_FEED_HOLD | _AXIS_FEED_HOLD)) and self.interpolator.standstill
 
     @property
+    def restart_needed(self) -> bool:
+        """A program has told a fatal error: no reset clears it."""
+        return self.gates.fatal
+
+    @property
     def waiting_functions(self) -> int:
         """Functions that are out, or due, and not yet acknowledged."""
         return self.functions.waiting
@@ -333,6 +289,11 @@ class Channel:
         record = queue.record(index)
         return float(record["f_word"] or record["feed"])
 
+    @property
+    def path_way(self) -> int:
+        """How the path is driven (runtime.hli.layout.PathWay)."""
+        return _WAYS[self.backward.way]
+
     # ------------------------------------------------------------------ the cycle
 
     def step(
@@ -340,7 +301,7 @@ class Channel:
     ) -> None:
         """One cycle. `axes_ready`: all path axes may move; `speeds`: actual spindle speeds, degrees/s, `actual`:
         positions, mm or degrees, both of all axes of the machine."""
-        self._time, self._cycle, self._actual = time, cycle, actual
+        self._time, self._cycle = time, cycle
         pressed = inputs.continue_motion and not self._continue_was
         self._continue_was = inputs.continue_motion
         if self.phase is Phase.STARTING and self.link.answered:
@@ -360,7 +321,7 @@ class Channel:
         if self.phase is Phase.RUNNING:
             backward.step(inputs.backward, inputs.simulate_motion, inputs.simulate_mask)
             if backward.changed:
-                self._gate_index = -1
+                self.gates.look_again()
         if backward.holds:
             stop |= _TURNING
         again = backward.replaying
@@ -427,7 +388,10 @@ class Channel:
         elif backward.at_begin:
             stop |= _BACKWARD_END
         gate = path.gate
-        stop |= self._gate(inputs, pressed)
+        running = self.phase is Phase.RUNNING
+        stop |= self.gates.step(inputs, pressed=pressed, running=running, locked=self.locked, actual=actual)
+        if self.gates.at_end is not None:
+            self._end(self.gates.at_end)
         if gate >= 0 and path.gate < 0 and not inputs.single_block:
             path.open_steps(gate)
         if self.phase is Phase.RUNNING and not again:
@@ -444,6 +408,10 @@ class Channel:
             kind = EventKind.STOP if standing else EventKind.GO
             self._event(kind, path.line, self._n, number=stop)
             self.stop_condition = stop
+
+    def _travel(self) -> Travel:
+        """How functions count where the path is driven again, or in simulated motion."""
+        return Travel.BACKWARD if self.backward.backward else Travel.SIMULATED_FORWARD
 
     def _place_of(self, index: int) -> float:
         """Where along the path (mm) a record lies that was passed in this cycle."""
@@ -490,6 +458,12 @@ class Channel:
             place = Place(failure.file or self.program, failure.line, failure.column)
             self.problems.append(Problem(told, {"text": failure.text}, place))
 
+    def _end(self, gate: QueueRecord) -> None:
+        """The path has come to the end of the program."""
+        self._event(EventKind.BLOCK_END, gate.line, gate.n)
+        self._came_to_end = True
+        self._clear(drop=False)
+
     def _cleared(self) -> None:
         self._tell_failure()
         self.path_length = self.interpolator.path_position
@@ -501,139 +475,11 @@ class Channel:
         self.functions.restart()
         if not self._came_to_end:
             self.actions.life.save()
-        self._dwell_left = -1.0
-        self._settling = 0.0
+        self.gates.cleared()
         self.program_ended = True
         self.phase = Phase.IDLE
 
-    # ------------------------------------------------------------------ gates
-
-    def _gate(self, inputs: ChannelInputs, pressed: bool) -> int:
-        """Open the next gate if its reason is gone; tells what the path waits for."""
-        path = self.interpolator
-        if path.gate < 0:
-            return _NONE
-        if path.gate != self._gate_index:
-            self._gate_index = path.gate
-            self._gate_record = read_record(path.queue, path.gate)
-        gate = self._gate_record
-        assert gate is not None
-        if gate.kind is not RecordKind.GATE:  # the end of a block in single block mode
-            if not inputs.single_block:  # only to stop before what comes then: that is held by itself
-                if path.at_gate or self.stop_before.may_follow(inputs, path.gate):
-                    path.open_gate()
-                return _NONE
-            if not path.at_gate:
-                return _NONE
-            return self._go_on(pressed, _SINGLE_BLOCK | _WAIT_CONTINUE)
-        if gate.reason is GateReason.WAIT and self.backward.replaying:
-            if path.at_gate and path.all_told and self.functions.settled(int(gate.synch)):
-                path.open_gate()
-                return _NONE
-            return _WAIT_TECHNOLOGY if path.at_gate else _NONE
-        if gate.reason is GateReason.OPTIONAL_SECTION and not self._leaves_out(gate, inputs):
-            path.open_gate()
-            return _NONE
-        if gate.reason is GateReason.WAIT:
-            if self.functions.passable(path.gate, gate):
-                path.open_gate()
-                return _NONE
-            if not path.at_gate:
-                return _NONE
-            return _WAIT_TECHNOLOGY if self.functions.plc_owes(gate) else _WAIT_SPINDLE
-        if gate.reason is GateReason.STEP and not inputs.single_block:
-            path.open_gate()
-            return _NONE
-        if gate.reason is GateReason.STOP_MARK and not self._stops_at(gate, inputs):
-            path.open_gate()
-            return _NONE
-        if gate.reason is GateReason.OPTIONAL_STOP and not inputs.optional_stop:
-            path.open_gate()
-            return _NONE
-        if gate.reason is GateReason.MESSAGE:
-            if self.actions.passable(gate, here=path.at_gate and path.all_told):
-                path.open_gate()
-                return _NONE
-            return _MESSAGE if path.at_gate else _NONE
-        if not path.at_gate:
-            return _NONE
-        if gate.reason is GateReason.OPTIONAL_SECTION:
-            return self._leave_out(gate)
-        if gate.reason is GateReason.DWELL:
-            return self._dwell(gate.seconds, inputs)
-        if gate.reason is GateReason.FLUSH:
-            path.open_gate()
-            return _NONE
-        if gate.reason is GateReason.FLUSH_WAIT:
-            return self._flush_wait()
-        if gate.reason is GateReason.EXACT_STOP:
-            return self._exact_stop()
-        if gate.reason is GateReason.AXIS_JOBS:
-            return self._axis_jobs(gate)
-        if gate.reason is GateReason.USER_ERROR:
-            return self._user_error(gate)
-        if gate.reason in GATES:
-            return self._beside_path(gate, pressed)
-        if gate.reason in SEARCH_GATES:
-            return self._search(gate, pressed)
-        if gate.reason is GateReason.PROGRAM_END:
-            if self.functions.end_waits:
-                return _WAIT_TECHNOLOGY
-            self.beside.finish()
-            if not self.beside.at_rest:
-                return _MANUAL
-            self._event(EventKind.BLOCK_END, gate.line, gate.n)
-            path.open_gate()
-            self._came_to_end = True
-            self._clear(drop=False)
-            return _NONE
-        if gate.reason is GateReason.STEP:
-            return self._go_on(pressed, _SINGLE_BLOCK | _WAIT_CONTINUE)
-        if gate.reason is GateReason.STOP_MARK:
-            waits = self._go_on(pressed, _WAIT_CONTINUE)
-            self._show_stop_mark(gate if path.gate >= 0 else None)
-            return waits
-        return self._go_on(pressed, _WAIT_CONTINUE)
-
-    def _stops_at(self, mark: QueueRecord, inputs: ChannelInputs) -> bool:
-        """Whether a mark of #STOP REVERSIBLE stops the path; of those that are come to again only they are filled."""
-        this_way = self.backward.replaying or bool(mark.offset & _FIRST_TIME)
-        return this_way and (mark.number == 0 or bool(mark.number & inputs.stop_level))
-
-    def _show_stop_mark(self, mark: QueueRecord | None) -> None:
-        """The path stands at a mark, or no longer."""
-        status = self._area.status
-        status.is_stopped_r = mark is not None
-        status.stop_user_value_r = 0 if mark is None else int(mark.value)
-
-    @property
-    def path_way(self) -> int:
-        """How the path is driven (runtime.hli.layout.PathWay)."""
-        return _WAYS[self.backward.way]
-
-    def _travel(self) -> Travel:
-        """How functions count where the path is driven again, or in simulated motion."""
-        return Travel.BACKWARD if self.backward.backward else Travel.SIMULATED_FORWARD
-
-    def _leaves_out(self, gate: QueueRecord, inputs: ChannelInputs) -> bool:
-        """Whether the section that begins here is left out forward."""
-        return skipped(gate.number, gate.mask, False, inputs.simulate_motion, inputs.simulate_mask)
-
-    def _leave_out(self, gate: QueueRecord) -> int:
-        """The path stands at the begin of a section that is left out: it goes on where its end is known."""
-        path = self.interpolator
-        if self.phase is not Phase.RUNNING or not path.standstill or not path.all_told:
-            return _OPTIONAL_SECTION
-        problem = self._section.leave_out(
-            gate, Place(self.queue.program_name(gate.program), gate.line), self.link.running
-        )
-        if problem is not None:
-            self.problems.append(problem)
-        elif self._section.gone:
-            self.functions.look_again()
-            path.open_gate()
-            return _NONE
-        return _OPTIONAL_SECTION
+    # ------------------------------------------------------------------ what the path passes
 
     def _pass_again(self, passed: Sequence[int]) -> None:
         """What the path has passed before: functions are put out as their types tell, nothing else is done again."""
@@ -641,133 +487,6 @@ class Channel:
         for index in passed:
             if queue.kind(index) == _FUNCTION:
                 self.functions.take_again(read_record(queue, index))
-
-    def _go_on(self, pressed: bool, waits: int) -> int:
-        """The operator says continue: the path goes on when the axes are in their windows. What it waits for until then."""
-        self._asked_on |= pressed
-        if not self._asked_on:
-            return waits
-        if self._influence.looks_at_axes and self._on_their_way(self.beside.offset):
-            return _EXACT_STOP
-        self._asked_on = False
-        self.interpolator.open_gate()
-        return _NONE
-
-    def _beside_path(self, gate: QueueRecord, pressed: bool) -> int:
-        """Axes are moved by hand or homed while the path stands; then it goes on from where they are."""
-        path, beside = self.interpolator, self.beside
-        if axis := beside.moving_at_end(gate, pressed):
-            self.problems.append(Problem(machine.MANUAL_MOVING, {"axis": axis}, Place(self.program, gate.line)))
-        if self.phase is not Phase.RUNNING:
-            return _MANUAL
-        if not beside.at_rest:
-            self._settling = 0.0
-        settled = path.standstill and path.all_told and not self._settles(beside.offset)
-        if not (self.locked and gate.reason is GateReason.HOMING):  # axes that do not move cannot be homed
-            passage = beside.gate(gate, path, pressed, settled)
-            if not passage.open:
-                return passage.stop
-        self._settling = 0.0
-        if gate.reason is not GateReason.MANUAL_END:
-            taken = beside.take_over(path)
-            self.link.reach(path.position, self._actual[self._axes], taken)
-        path.open_gate()
-        return _NONE
-
-    def _search(self, gate: QueueRecord, pressed: bool) -> int:
-        """A block search: the PLC agrees, the axes go back to the contour, the program goes on."""
-        path, search = self.interpolator, self.search
-        if self.phase is not Phase.RUNNING or not path.all_told:
-            return _BLOCK_SEARCH
-        search.arrived(gate.reason)
-        automatic = gate.number != 0
-        waits = _BLOCK_SEARCH
-        if gate.reason is GateReason.SEARCH_RETURN:
-            hand = GateReason.TAKE_OVER if automatic else GateReason.MANUAL
-            waits = self._beside_path(gate._replace(reason=hand, number=self._every_axis), pressed) | _RETURN_TO_CONTOUR
-        elif gate.reason is GateReason.SEARCH_GO_ON:
-            if automatic:
-                path.open_gate()
-            else:
-                waits = self._go_on(pressed, _RETURN_TO_CONTOUR | _WAIT_CONTINUE)
-        elif search.agrees(bool(self._area.plc_present_w)):
-            if gate.reason is GateReason.SEARCH_BEGIN:
-                self.link.reach(path.position, self._actual[self._axes])
-            path.open_gate()
-        if path.gate >= 0:
-            return waits
-        search.passed(gate.reason)
-        return _NONE
-
-    def _dwell(self, seconds: float, inputs: ChannelInputs) -> int:
-        if self._dwell_left < 0.0:
-            self._dwell_left = seconds
-        share = inputs.override if self._influence.feed_stretches_dwell else 1.0
-        if self._influence.time_stretches_dwell:
-            share *= inputs.time_override
-        self._dwell_left -= self.period * share
-        if self._dwell_left > 0.5 * self.period:
-            return _DWELL
-        self._dwell_left = -1.0
-        self.interpolator.open_gate()
-        return _NONE
-
-    def _flush_wait(self) -> int:
-        """The decoder goes on when functions of every kind and messages have been taken; it gets to know where the axes are."""
-        path = self.interpolator
-        if not path.standstill or not path.all_told or self._settles(self.beside.offset):
-            return _NONE
-        if self.functions.pending:
-            return _WAIT_TECHNOLOGY
-        if not self.actions.all_taken:
-            return _MESSAGE
-        self._settling = 0.0
-        self.link.reach(path.position, self._actual[self._axes], self.beside.offset)
-        path.open_gate()
-        return _NONE
-
-    def _exact_stop(self) -> int:
-        """However long it takes: an axis that never comes there keeps the path from going on."""
-        path = self.interpolator
-        if not path.standstill or self._on_their_way(self.beside.offset):
-            return _EXACT_STOP
-        path.open_gate()
-        return _NONE
-
-    def _axis_jobs(self, gate: QueueRecord) -> int:
-        """Jobs of axes outside the path are done, or the program ends here."""
-        path = self.interpolator
-        if self.phase is Phase.RUNNING and path.all_told:
-            problem = self.jobs.in_vain(gate.number)
-            if problem is not None:
-                self.problems.append(problem)
-            elif self.jobs.passable(gate.number):
-                path.open_gate()
-                return _NONE
-        return _AXIS_JOB
-
-    def _settles(self, offset: Floats) -> bool:
-        """The axes are still on their way to where the path stands, and have not yet taken too long for it."""
-        self._settling += self.period
-        return self._settling < _SETTLED_AT_LAST and self._on_their_way(offset)
-
-    def _on_their_way(self, offset: Floats) -> bool:
-        """An axis is not yet within its window around where it is sent to; `offset` (n_axes,) beside the path."""
-        if self.locked:
-            return False
-        lag = np.abs(self.interpolator.position + offset - self._actual[self._axes])
-        return bool((lag > self._window).any())
-
-    def _user_error(self, gate: QueueRecord) -> int:
-        """The path goes no further: the alarm aborts the program here."""
-        if not self._user_error_told:
-            self._user_error_told = True
-            fatal = gate.value > _FATAL
-            self.restart_needed |= fatal
-            place = Place(self.queue.program_name(gate.program), gate.line)
-            values = {"text": self.queue.texts.take(gate.text)}
-            self.problems.append(Problem(machine.USER_FATAL if fatal else machine.USER_ERROR, values, place))
-        return _ERROR
 
     def _pass(self, index: int) -> None:
         kind = self.queue.kind(index)

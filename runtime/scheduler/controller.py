@@ -27,7 +27,8 @@ from runtime.cnc.axes.supervision import (
 )
 from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops
 from runtime.cnc.beside_path import BesidePath
-from runtime.cnc.channel import Channel, OperatorInfluence
+from runtime.cnc.channel import Channel
+from runtime.cnc.gates import OperatorInfluence
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.motion_queue import MotionQueue

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.channel import Channel, ChannelInputs
+from runtime.cnc.channel import Channel
+from runtime.cnc.channel_inputs import ChannelInputs
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import Problem
 from runtime.hli.control import AxisCommands, ChannelCommands
