@@ -5,8 +5,9 @@
 
 The reach is as long as the tolerance allows at each point: on a curve of radius R the mean lies w²/12R inside, at a corner that
 turns by φ it is w/3·sin(φ/2) off. It changes by at most half of the way, so that it never reaches over the ends; neighbouring
-places are STEP·w apart. Both polygons are compared at the same length of the programmed one: between two corners of either both
-are straight, so the greatest distance is that at a corner. It is no less than the distance of either from the other.
+places are STEP·w apart. A corner between legs that are long beside its reach stays as it is: the curve over the polygon has more
+to gain there than means have. Both polygons are compared at the same length of the programmed one: between two corners of either
+both are straight, so the greatest distance is that at a corner. It is no less than the distance of either from the other.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ SHRINK = 0.8  # of the reach where the tolerances are exceeded
 FAR = 2.0 / (
     1.0 - GROWTH
 )  # reaches from a point, from where no mean takes it in: two places further a long leg is one span
+ALONE = 4.0  # reaches: a corner whose legs are longer than that is left to the curve
 LEAST = 1e-3  # mm: a shorter reach is none
 
 
@@ -174,12 +176,12 @@ def march(
 @kernel
 def faired(
     points: Floats, s: Floats, tolerance: Floats, tracking: Floats, fixed: Flags, out: Floats, place: Floats,
-    leg_at: npt.NDArray[np.int64],
+    leg_at: npt.NDArray[np.int64], pinned: Flags,
 ) -> int:  # fmt: skip
     """The faired polygon `out` (k, n) of `points` (m, n), its lengths `place` (k,) along them and their legs; returns k.
 
     `s` (m,): length in the main axes, rising. `tolerance`, `tracking` (m,): mm in the main axes, and of any other axis; infinite
-    is not watched. 0: there is none within the tolerances.
+    is not watched. `pinned` (m,) becomes which points stay as they are. 0: there is none within the tolerances.
     """
     m, n = points.shape
     w, work = np.zeros(m), np.zeros((3, n))
@@ -187,6 +189,13 @@ def faired(
     for i in range(m):
         least = min(least, tolerance[i])
     reaches(points, s, tolerance, tracking, w, work)
+    for i in range(m):
+        pinned[i] = 0 < i < m - 1 and min(s[i] - s[i - 1], s[i + 1] - s[i]) > ALONE * w[i]
+    for i in range(m):
+        if pinned[i]:  # half of its legs are free for the curve
+            w[i] = 0.0
+            w[i - 1] = min(w[i - 1], 0.5 * (s[i] - s[i - 1]) / FAR)
+            w[i + 1] = min(w[i + 1], 0.5 * (s[i + 1] - s[i]) / FAR)
     for _ in range(ROUNDS):
         smooth_reach(s, w)
         k = march(points, s, w, least, fixed, out, place, leg_at, work)
@@ -223,5 +232,5 @@ def _warm_up() -> None:
     tolerance, s = np.full(4, 0.1), np.arange(4.0)
     faired(
         points, s, tolerance, tolerance, np.zeros(4, dtype=np.bool_), np.zeros((64, 2)), np.zeros(64),
-        np.zeros(64, dtype=np.int64),
+        np.zeros(64, dtype=np.int64), np.zeros(4, dtype=np.bool_),
     )  # fmt: skip

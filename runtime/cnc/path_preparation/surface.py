@@ -62,8 +62,8 @@ def faired_legs(spline: Spline, legs: Legs) -> tuple[Legs, Floats, Floats]:
     fixed[[i for i in range(1, m - 1) if not alike(legs.origins[i - 1], legs.origins[i])]] = True
     size = 8 * m + 256
     out, place, leg = np.zeros((size, points.shape[1])), np.zeros(size), np.zeros(size, dtype=np.int64)
-    share = FAIRING * CERTAIN
-    count = faired(points, s, share * tolerance, share * tracking, fixed, out, place, leg)
+    share, pinned = FAIRING * CERTAIN, np.zeros(m, dtype=np.bool_)
+    count = faired(points, s, share * tolerance, share * tracking, fixed, out, place, leg, pinned)
     if count == 0:
         return legs, (1.0 - CHORD) * tolerance * CERTAIN, _watched((1.0 - CHORD) * tracking * CERTAIN)
     number = np.searchsorted(place[:count], s, side="left")  # the new leg at whose end each programmed point lies
@@ -75,9 +75,13 @@ def faired_legs(spline: Spline, legs: Legs) -> tuple[Legs, Floats, Floats]:
         [legs.numbers[i] for i in of], ends[1:].tolist(), {int(number[k]): v for k, v in legs.actions.items()},
     )  # fmt: skip
     on = leg[:count]
-    left = CURVE * CERTAIN
+    left, whole = CURVE * CERTAIN, (1.0 - CHORD) * CERTAIN
     main = left * np.minimum(tolerance[on], tolerance[np.minimum(on + 1, m - 1)])
     other = left * np.minimum(tracking[on], tracking[np.minimum(on + 1, m - 1)])
+    main[number[pinned]], other[number[pinned]] = (
+        whole * tolerance[pinned],
+        whole * tracking[pinned],
+    )  # nothing is used yet
     return made, main, _watched(other)
 
 
