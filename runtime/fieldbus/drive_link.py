@@ -32,6 +32,11 @@ _POSITION: Final = (cia402.TARGET_POSITION, 0)
 _INTERPOLATED: Final = (cia402.INTERPOLATION_DATA, 1)
 _VELOCITY: Final = (cia402.TARGET_VELOCITY, 0)
 _TORQUE: Final = (cia402.TARGET_TORQUE, 0)
+_MODE: Final = (cia402.MODES_OF_OPERATION, 0)
+_PROBE_FUNCTION: Final = (cia402.PROBE_FUNCTION, 0)
+_MAX_TORQUE: Final = (cia402.MAX_TORQUE, 0)
+_VELOCITY_OFFSET: Final = (cia402.VELOCITY_OFFSET, 0)
+_TORQUE_OFFSET: Final = (cia402.TORQUE_OFFSET, 0)
 _PROBES: Final = (cia402.PROBE_1_RISING, cia402.PROBE_1_FALLING, cia402.PROBE_2_RISING, cia402.PROBE_2_FALLING)
 
 
@@ -52,6 +57,8 @@ class ExtendedDriveLink(DriveLink):
     mode_control: ModeControl = field(init=False)
     _out: dict[ObjectKey, int] = field(default_factory=dict)
     _rows: list[tuple[can.Message, Callable[..., bytes], tuple[ObjectKey, ...]]] = field(default_factory=list)
+    _probes: bool = False  # which objects are exchanged
+    _limits_torque: bool = False
     _image: DriveImage | None = None
     _target: float = 0.0  # set-point of the cycle before, units; that of the axis
     _speed: float = 0.0  # units/s, of the cycle before
@@ -65,6 +72,7 @@ class ExtendedDriveLink(DriveLink):
                 message = self._frame(plan)
                 self._rows.append((message, layout.codec.pack, plan.objects))
                 self._out |= dict.fromkeys(plan.objects, 0)
+        self._probes, self._limits_torque = _PROBE_FUNCTION in self._out, _MAX_TORQUE in self._out
         self.message, *others = (message for message, _, _ in self._rows)
         self.further = tuple(others)
 
@@ -219,12 +227,14 @@ class ExtendedDriveLink(DriveLink):
         )
         follows = enabled and not modes.by_drive and (end is None or end.both_enabled)
         self._set_points(image, target, goal, enabled, follows)
-        out[cia402.MODES_OF_OPERATION, 0] = modes.ordered
-        out[cia402.PROBE_FUNCTION, 0] = int(image.probe_function[i])
-        limit = float(image.torque_limit[i])
-        out[cia402.MAX_TORQUE, 0] = (
-            max(0, min(round(limit * PER_MILLE), self.torque_limit)) if math.isfinite(limit) else self.torque_limit
-        )
+        out[_MODE] = modes.ordered
+        if self._probes:
+            out[_PROBE_FUNCTION] = int(image.probe_function[i])
+        if self._limits_torque:
+            limit = float(image.torque_limit[i])
+            out[_MAX_TORQUE] = (
+                max(0, min(round(limit * PER_MILLE), self.torque_limit)) if math.isfinite(limit) else self.torque_limit
+            )
         self._tell_modes(image)
         for message, pack, objects in self._rows:
             fill(message, pack(*[out[key] for key in objects]))
@@ -250,9 +260,11 @@ class ExtendedDriveLink(DriveLink):
         else:
             self._sent = stand
         self._target, self._speed, self._followed = target, speed, follows
-        out[cia402.VELOCITY_OFFSET, 0] = clamp32(round(self.velocity_feed_forward * speed * scale))
-        torque = round(self.torque_feed_forward * acceleration * PER_MILLE)
-        out[cia402.TORQUE_OFFSET, 0] = max(-0x8000, min(0x7FFF, torque))
+        if self.velocity_feed_forward:
+            out[_VELOCITY_OFFSET] = clamp32(round(self.velocity_feed_forward * speed * scale))
+        if self.torque_feed_forward:
+            torque = round(self.torque_feed_forward * acceleration * PER_MILLE)
+            out[_TORQUE_OFFSET] = max(-0x8000, min(0x7FFF, torque))
 
     def _follow(self, image: DriveImage, target: float, speed: float) -> None:
         """The set-point of an axis, unless it jumps."""
