@@ -174,12 +174,12 @@ class CanopenMaster:
 
     def _downloads(self) -> dict[int, Download]:
         """The configuration files of the nodes of this bus. Raises FieldbusError for one that cannot be used."""
-        devices = [*(axis.drive for axis in self._machine.axes), *self._machine.fieldbus.io]
-        return {
-            device.node: Download(read_configuration(device.dcf, device.node), device.dcf_store)
-            for device in devices
-            if device is not None and device.dcf is not None and (device.bus or "") == self.name
-        }
+        drives = [axis.drive for axis in self._machine.axes if axis.drive is not None]
+        devices = [(drive.node, drive) for drive in drives]
+        devices += [(drive.gantry.node, drive) for drive in drives if drive.gantry is not None]
+        files = [(node, drive.dcf, drive.dcf_store) for node, drive in devices if (drive.bus or "") == self.name]
+        files += [(io.node, io.dcf, io.dcf_store) for io in self._machine.fieldbus.io if (io.bus or "") == self.name]
+        return {node: Download(read_configuration(dcf, node), store) for node, dcf, store in files if dcf is not None}
 
     def _gone_at_start(self, error: Exception) -> FieldbusError:
         return FieldbusError(catalogue.BUS_GONE, meaning=str(error), bus=f" {self._config.channel}")
