@@ -264,7 +264,7 @@ class Border:
         self.keyframe_wanted = False
         if self.cycle > 1:  # in front of the first cycle everything is as it was built
             try:
-                self._pieces = Capture(self.root, self._outside()).pieces()
+                self._pieces = Capture(self.root, self.outside()).pieces()
             except StateError:
                 self.root = None
                 self._ring.refuse_keyframes()
@@ -298,7 +298,8 @@ class Border:
         if last:
             self._pieces = None
 
-    def _outside(self) -> Outside:
+    def outside(self) -> Outside:
+        """What is no state of objects."""
         return outside_of(self._memories.hli, self._memories.link, self._memories.queue, self._image)
 
 

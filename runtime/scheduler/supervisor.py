@@ -48,6 +48,7 @@ from runtime.scheduler.statistics import CycleStatistics
 
 _STOP_LIMIT = 15.0  # s that the cycle gets to bring the machine to rest
 _RETAIN_EVERY = 1.0  # s
+_AGAIN = 1.0  # s between two attempts to start a process
 _FROZEN_AFTER = 5.0  # s without a cycle; the drives have missed our heartbeat long before
 _LONGEST_POLL = 0.2  # s that count between two looks: if this process stood still as well, the cycle is not to blame
 
@@ -76,6 +77,7 @@ class Supervisor:
         self.journal = journal
         self.memory: HliMemory | None = None
         self.on_event: Callable[[Event], None] | None = None
+        self._again_at: dict[str, float] = {}  # processes that could not be started: when it is tried again
         self._wall_clock = WallClockWatch(time.time, time.monotonic)
         self._recorder_tells: deque[Problem] = deque(maxlen=64)  # of the recorder's thread, for the journal
         self._notifier = Notifier.from_environment(os.environ)
@@ -315,8 +317,10 @@ class Supervisor:
     def _watch_preparation(self) -> None:
         if self.preparation.running:
             return
-        self._tell_lost(self.preparation)
-        self.preparation.start()
+        if self.preparation.process is not None:
+            self._tell_lost(self.preparation)
+            self.preparation.process = None
+        self._start_again(self.preparation)
 
     def _watch_plc(self) -> None:
         assert self.memory is not None
@@ -327,16 +331,33 @@ class Supervisor:
             self.plc.process = None
         wanted = self.memory.hli.platform.plc_restart_request_r
         if wanted != self._plc_restarts:
-            self._plc_restarts = wanted
             if self.plc.process is not None:  # it hangs
                 self.plc.process.kill()
                 self.plc.process.wait()
-            self.plc.start()
+                self.plc.process = None
+            if self._start_again(self.plc):
+                self._plc_restarts = wanted
 
     def _watch_drives(self) -> None:
         if self.drives.process is not None and not self.drives.running:
             self._tell_lost(self.drives)
             self.drives.process = None  # like drives without power: they come back with the next start
+
+    def _start_again(self, child: Child) -> bool:
+        """A host without memory or processes to spare refuses: told once, tried again every second, and the machine goes on."""
+        now = time.monotonic()
+        if now < self._again_at.get(child.name, 0.0):
+            return False
+        try:
+            child.start()
+        except OSError as error:
+            if child.name not in self._again_at:
+                values = {"process": child.name, "reason": error.strerror or str(error)}
+                write_problem(self.journal, Problem(recorder_errors.NOT_STARTED, values))
+            self._again_at[child.name] = now + _AGAIN
+            return False
+        self._again_at.pop(child.name, None)
+        return True
 
     def _tell_lost(self, child: Child) -> None:
         """Hand the loss to the cycle, which stops the path and raises the alarm."""
