@@ -179,14 +179,16 @@ def line_dynamics(
     if before is None:
         v_entry[0] = v_corner[0] = a_entry[0] = 0.0
 
-    fastest = np.minimum(
-        np.minimum(GREATEST_OVERRIDE * feed, v_limit), np.sqrt(share_here * _least(acceleration, here))
-    )
-    taken = here * fastest[:, None] ** 2
-    axes = _least_left(acceleration, taken, share)
+    # at both ends as fast as they may be passed; that after the last line may have any curvature up to the one before
+    most = np.minimum(GREATEST_OVERRIDE * feed, v_limit)
+    behind = np.append(v_entry[1:], np.sqrt(share_here[-1:] * _least(acceleration, here[-1:])))
+    bend_behind = np.vstack([curvature[1:], here[-1:]])
+    at_begin = curvature * np.minimum(v_entry, most)[:, None] ** 2
+    at_end = bend_behind * np.minimum(behind, most)[:, None] ** 2
+    axes = _least_left(acceleration, np.maximum(at_begin, at_end), share)
     moving = (share > 0.0) | (here > 0.0)
     isotropic = np.where(moving, acceleration, np.inf).min(axis=1)
-    across = np.linalg.norm(here, axis=1) * fastest**2
+    across = np.sqrt(np.maximum((at_begin**2).sum(axis=1), (at_end**2).sum(axis=1)))
     circle = np.sqrt(np.maximum(isotropic**2 - across**2, 0.0))
     a_limit = np.minimum(np.maximum(axes, circle), a_plain)
     after = Border(direction[-1], np.zeros(n), float(length[-1]), bool(main[-1]))
