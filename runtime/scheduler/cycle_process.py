@@ -43,7 +43,7 @@ from runtime.scheduler.recorded import Seam, put_border, told_alarm, watch
 from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
-_OTHERS_LIMIT = 30.0  # s until the other processes must be up
+_OTHERS_LIMIT = 30.0  # s until the other processes must be up; longer where the start may take longer
 _STOP_LIMIT = 10.0  # s that axes and spindles get to come to rest
 _COMPARE_AFTER = 20  # cycles until every drive has told where it is
 _MOVED = 1.0  # mm or degrees
@@ -53,8 +53,9 @@ _BOOT_PAUSE = 0.0002  # s between two looks at the bus while it boots
 class CycleProcess:
     """Everything of the machine that lives in the real-time process."""
 
-    def __init__(self, machine: Machine, name: str, wake_descriptor: int) -> None:
+    def __init__(self, machine: Machine, name: str, wake_descriptor: int, others_limit: float = _OTHERS_LIMIT) -> None:
         self.machine = machine
+        self._others_limit = others_limit
         n_axes = len(machine.channels[0].axes)
         self._buses = open_buses(machine)  # first: what refuses to start leaves no memory behind
         self.memory = HliMemory.create(name, permissions=machine.hli.permissions)
@@ -185,7 +186,7 @@ class CycleProcess:
 
     def _wait_for_the_others(self) -> None:
         """Processes that start take the processor for some time: not while nodes watch our heartbeat."""
-        end = time.monotonic() + _OTHERS_LIMIT
+        end = time.monotonic() + self._others_limit
         while not self.memory.hli.platform.service_ready_w and not self._stop_reason and time.monotonic() < end:
             time.sleep(0.01)
 
@@ -224,13 +225,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--machine", type=Path)
     parser.add_argument("--name", required=True)
+    parser.add_argument(
+        "--others-limit", type=float, default=_OTHERS_LIMIT, help="s that the other processes get to start"
+    )
     parser.add_argument("--wake", type=int, default=-1, help="eventfd that wakes the PLC")
     arguments = parser.parse_args()
     die_with_parent()
     try:
         machine = load_machine(arguments.machine)
         warm_up()
-        process = CycleProcess(machine, arguments.name, arguments.wake)
+        process = CycleProcess(machine, arguments.name, arguments.wake, arguments.others_limit)
     except TandemError as error:
         for problem in error.problems:
             print(problem.explained(), file=sys.stderr)

@@ -106,7 +106,10 @@ class Supervisor:
         if options.machine_file is not None:
             common += ["--machine", str(options.machine_file)]
         self.cycle = Child(
-            "cycle", "runtime.scheduler.cycle_process", [*common, "--wake", str(self._wake)], [self._wake]
+            "cycle",
+            "runtime.scheduler.cycle_process",
+            [*common, "--wake", str(self._wake), "--others-limit", str(options.start_limit / 2)],
+            [self._wake],
         )
         self.preparation = Child(
             "preparation", "runtime.scheduler.preparation_process", [*common, "--dialect", options.dialect]
