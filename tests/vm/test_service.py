@@ -132,9 +132,7 @@ def test_every_process_is_without_root_and_without_capabilities(story: Story) ->
         assert set(who["Uid"].split()) == {str(found["uid"])}, name
         assert {who[kind] for kind in ("CapPrm", "CapEff", "CapBnd", "CapAmb")} == {"0" * 16}, name
         assert (who["NoNewPrivs"], who["Seccomp"]) == ("1", "2"), name
-    assert found["who"]["cycle"]["policy"] & ~RESET_ON_FORK == SCHED_FIFO, (
-        "real-time priority comes from a limit, not from a privilege"
-    )
+    assert found["who"]["cycle"]["policy"] & ~RESET_ON_FORK == SCHED_FIFO, "real-time by a limit, without a privilege"
     assert not found["who"]["cycle"]["VmLck"].startswith("0 "), "its memory is locked"
     assert found["unit"]["User"] == "tandem"
     assert found["unit"]["Type"] == "notify"
