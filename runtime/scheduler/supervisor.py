@@ -25,7 +25,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.loader import DEMO_MACHINE
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
-from runtime.diagnostics.catalogue import recorder as recorder_errors
+from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveImage
@@ -259,7 +259,7 @@ class Supervisor:
         self._watch_plc()
         self._watch_drives()
         if by := self._wall_clock.step():
-            write_problem(self.journal, Problem(recorder_errors.CLOCK_STEPPED, {"seconds": by}))
+            write_problem(self.journal, Problem(system.CLOCK_STEPPED, {"seconds": by}))
         now = time.monotonic()
         if now >= self._retain_at:
             self._retain_at = now + _RETAIN_EVERY
@@ -356,7 +356,7 @@ class Supervisor:
         except OSError as error:
             if child.name not in self._again_at:
                 values = {"process": child.name, "reason": error.strerror or str(error)}
-                write_problem(self.journal, Problem(recorder_errors.NOT_STARTED, values))
+                write_problem(self.journal, Problem(system.PROCESS_NOT_STARTED, values))
             self._again_at[child.name] = now + _AGAIN
             return False
         self._again_at.pop(child.name, None)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from runtime.config import load_machine
-from runtime.diagnostics.catalogue import recorder as errors
+from runtime.diagnostics.catalogue import system as errors
 from runtime.hli.memory import HliMemory
 from runtime.scheduler.supervisor import RunOptions, Supervisor
 
@@ -57,7 +57,7 @@ def test_a_process_that_cannot_be_forked_is_started_later(tmp_path: Path, monkey
         now[0] += 0.1
         service._watch_preparation()
         service._watch_plc()
-    assert journal.ids == [errors.NOT_STARTED.id] * 2, "once for each process"
+    assert journal.ids == [errors.PROCESS_NOT_STARTED.id] * 2, "once for each process"
     assert platform.process_lost_w == 1, "the cycle was told once, and has stopped the path"
     room = True
     now[0] += 1.1

@@ -69,17 +69,3 @@ ROOM_USED_UP = ErrorEntry(
     Reaction.NONE,
     remedy="It goes on at the next standstill. Give recorder.size more for programs that move without a stop for so long.",
 )
-NOT_STARTED = ErrorEntry(
-    311013,
-    "The host cannot start the process {process}: {reason}; it is tried again every second",
-    Severity.ERROR,
-    Reaction.NONE,
-    remedy="Give the host memory or processes to spare (free -m; TasksMax=, MemoryMax= of the service), then reset the channel.",
-)
-CLOCK_STEPPED = ErrorEntry(
-    311010,
-    "The wall clock was set by {seconds:+.1f} s: time stamps before and after this line do not fit together",
-    Severity.WARNING,
-    Reaction.NONE,
-    remedy="Nothing moves by this clock. Keep it in step (NTP, PTP), so that the times of alarms can be compared.",
-)

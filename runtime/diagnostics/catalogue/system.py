@@ -72,7 +72,23 @@ RETAINED_NOT_WRITTEN = ErrorEntry(
     remedy="Give the runtime a state directory that it may write to (state_directory), with space left.",
 )
 
-# service process, runtime.monitoring
+# service process
+PROCESS_NOT_STARTED = ErrorEntry(
+    305023,
+    "The host cannot start the process {process}: {reason}; it is tried again every second",
+    Severity.ERROR,
+    Reaction.NONE,
+    remedy="Give the host memory or processes to spare (free -m; TasksMax=, MemoryMax= of the service), then reset the channel.",
+)
+CLOCK_STEPPED = ErrorEntry(
+    305024,
+    "The wall clock was set by {seconds:+.1f} s: time stamps before and after this line do not fit together",
+    Severity.WARNING,
+    Reaction.NONE,
+    remedy="Nothing moves by this clock. Keep it in step (NTP, PTP), so that the times of alarms can be compared.",
+)
+
+# runtime.monitoring
 METRICS_PORT = ErrorEntry(
     305030,
     "The metrics endpoint cannot be opened at {host}:{port}: {reason}",
