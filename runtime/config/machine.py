@@ -262,8 +262,9 @@ class Recorder(Model):
 
     enabled: bool = True
     minutes: Annotated[float, Field(gt=0)] = 10.0  # that are kept while the machine runs
-    size: Annotated[int, Field(ge=8)] = 256  # MB of the disk that they may take
+    size: Annotated[int, Field(ge=8)] = 1024  # MB of the disk that they may take
     keyframe_every: Seconds = 30.0  # a replay begins at a keyframe
+    keyframes: Literal["drives_off", "standstill"] = "drives_off"  # when one may be taken: it makes a cycle late
     saved: Annotated[int, Field(ge=0)] = 5  # recordings of alarms that are kept
 
 

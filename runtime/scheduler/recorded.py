@@ -10,7 +10,7 @@ from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import Problem
-from runtime.drives import DriveSystem
+from runtime.drives import DriveState, DriveSystem
 from runtime.hli.memory import HliMemory
 from runtime.recorder.border import Border, BorderDrives, BorderPlc, Memories
 from runtime.recorder.file import RecordingWriter
@@ -19,14 +19,24 @@ from runtime.recorder.ring import RecorderRing
 from runtime.scheduler.controller import Controller
 from runtime.scheduler.plc_link import PlcPartner
 
+_ENABLED = int(DriveState.OPERATION_ENABLED)
 
-def watch(border: Border, controller: Controller) -> None:
-    """The controller is built: from here on it is recorded, with keyframes of its state while nothing moves."""
+
+def watch(border: Border, controller: Controller, *, standing: bool = True) -> None:
+    """The controller is built: from here on it is recorded, with keyframes of its state while nothing moves.
+
+    `standing`: also while drives are enabled. A keyframe makes a cycle, and its SYNC, some ms late, which not every drive
+    forgives, even at rest.
+    """
+    states = controller.drives.image.state
+
+    def still() -> bool:
+        at_rest = controller.channel.interpolator.standstill and controller.beside.at_rest and controller.jobs.standing
+        return at_rest and (standing or not bool((states == _ENABLED).any()))
+
     border.settle()
     border.root = controller
-    border.still = lambda: (
-        controller.channel.interpolator.standstill and controller.beside.at_rest and controller.jobs.standing
-    )
+    border.still = still
 
 
 @dataclass(frozen=True, slots=True)

@@ -225,8 +225,8 @@ def test_too_little_room_for_the_recorder_is_told(computer: Computer, machine: M
     computer.spoil(free_disk=lambda place: 300_000_000)
     found = finding(computer, machine, "flight recorder")
     assert found.verdict is Verdict.WARN
-    assert found.found.startswith("300 MB free for /var/lib/tandem/recorder, 256 MB are recorded")
-    assert "512 MB" in found.remedy
+    assert found.found.startswith("300 MB free for /var/lib/tandem/recorder, 1024 MB are recorded")
+    assert "2048 MB" in found.remedy
     off = machine.model_copy(update={"recorder": machine.recorder.model_copy(update={"enabled": False})})
     assert finding(computer, off, "flight recorder").verdict is Verdict.OK
 

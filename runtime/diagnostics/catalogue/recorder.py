@@ -64,8 +64,9 @@ NO_KEYFRAMES = ErrorEntry(
 )
 ROOM_USED_UP = ErrorEntry(
     311012,
-    "The recorder has used up its room in {folder}, and the machine has not stood still since its last keyframe",
+    "The recorder has used up its room in {folder}, and since its last keyframe there was no time for another",
     Severity.WARNING,
     Reaction.NONE,
-    remedy="It goes on at the next standstill. Give recorder.size more for programs that move without a stop for so long.",
+    remedy="It goes on when the drives are off. Give recorder.size more, or set recorder.keyframes to standstill if the drives "
+    "forgive a SYNC that comes some ms late.",
 )
