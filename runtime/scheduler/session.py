@@ -114,7 +114,8 @@ class Session:
         active = state in (State.ACTIVE, State.HOLD)
         if active:
             self._was_active = True
-            self._path_length = hli.channels[0].status.path_position_r * LENGTH
+            # at the end the path begins anew at 0, perhaps before the state has changed
+            self._path_length = max(self._path_length, hli.channels[0].status.path_position_r * LENGTH)
             self._sample(hli)
         if (self._was_active and not active) or state == State.ERROR:
             self._end(hli)
