@@ -272,9 +272,7 @@ class Border:
             self.out[4] |= STATE_FOLLOWS
         self.out[4] |= KEYFRAME
         for number, area in enumerate(self.areas):
-            at = self._at
             self._section(Section.KEYFRAME_AREA, np.concatenate([np.array([number], dtype=np.int64), area.agreed]))
-            assert self._at > at
         counters = self._memories.queue.counters
         self._section(Section.KEYFRAME_QUEUE, counters)
         self._recorded = int(counters[1])  # what is in the queue follows, some records in each cycle

@@ -32,7 +32,6 @@ def test_what_is_no_place(place: str) -> None:
         search_order(place)
 
 
-@pytest.mark.spec("hli.ch.cu.block-search")
 def test_the_operator_goes_on_where_a_program_was_interrupted(tmp_path: Path) -> None:
     bench = MachineBench(folder=tmp_path)
     channel = bench.simulation.controller.channel

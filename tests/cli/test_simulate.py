@@ -104,7 +104,6 @@ def test_run_refuses_before_anything_starts(tmp_path: Path, capsys: pytest.Captu
     assert cli.main(["run", "--demo", "-c", "config/machine.yaml"]) == 2
 
 
-@pytest.mark.spec("hli.ch.cu.block-search")
 def test_a_program_is_entered_in_the_middle(program: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     options = ["--ideal-axes", "--trace", str(out)]

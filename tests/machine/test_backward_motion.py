@@ -335,7 +335,7 @@ def visited(driven: Driven) -> float:
     return float(np.array(driven.targets)[:, 2].min())
 
 
-@pytest.mark.spec(SPEC, "isg.add.optional-execution", "hli.ch.cu.simulate-motion")
+@pytest.mark.spec(SPEC, "isg.add.optional-execution")
 def test_a_section_is_left_out_backward(demo: Machine, tmp_path: Path) -> None:
     driven = make(demo, tmp_path)
     driven.start(SECTIONS.format(which=""))
@@ -369,7 +369,7 @@ def test_a_section_in_which_the_path_turns_is_driven(demo: Machine, tmp_path: Pa
     assert driven.alarms == []
 
 
-@pytest.mark.spec("isg.add.optional-execution", "hli.ch.cu.simulate-motion")
+@pytest.mark.spec("isg.add.optional-execution")
 @pytest.mark.parametrize(
     ("which", "simulated", "mask", "left_out"),
     [

@@ -19,7 +19,6 @@ from runtime.scheduler.retained import RetainedStore
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
 
-SPEC = "hli.ch.cu.block-search"
 M = 1
 
 PART = """%PART
@@ -117,7 +116,6 @@ def refused(driven: Driven, entry: ErrorEntry) -> str:
 # ---------------------------------------------------------------------------------------------------- where
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize(
     ("kind", "value"),
     [
@@ -141,7 +139,6 @@ def test_a_program_is_entered_at_a_block(driven: Driven, kind: SearchKind, value
     driven.assert_no_jump()
 
 
-@pytest.mark.spec(SPEC)
 def test_the_functions_of_the_block_itself_belong_to_what_goes_on(driven: Driven) -> None:
     search(driven, PART, SearchKind.BLOCK_NUMBER, 50)
     until(driven, SearchState.RETURNING)
@@ -150,7 +147,6 @@ def test_the_functions_of_the_block_itself_belong_to_what_goes_on(driven: Driven
     assert put_out(driven)[2:] == [("M", 20), ("M", 9), ("S", 5)]
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize(
     ("kind", "value", "passes", "x", "z"),
     [
@@ -171,7 +167,6 @@ def test_passes_of_loops_and_subprograms_are_counted(
     assert place(driven) == [20.0, 4.0, -4.0]
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize(
     ("kind", "value"), [(SearchKind.BLOCK_NUMBER, 300), (SearchKind.LINE, 301), (SearchKind.BLOCK_COUNTER, 299)]
 )
@@ -187,7 +182,6 @@ def test_in_a_run_of_short_lines(driven: Driven, kind: SearchKind, value: int) -
     assert place(driven)[0] == pytest.approx(39.9)
 
 
-@pytest.mark.spec(SPEC)
 def test_a_share_of_the_first_motion_is_left_out_too(driven: Driven) -> None:
     search(driven, PART, SearchKind.BLOCK_NUMBER, 60, covered=500)
     until(driven, SearchState.RETURNING)
@@ -197,7 +191,6 @@ def test_a_share_of_the_first_motion_is_left_out_too(driven: Driven) -> None:
     assert place(driven) == [10.0, 10.0, 20.0]
 
 
-@pytest.mark.spec(SPEC)
 def test_without_an_order_programs_start_at_their_beginning(driven: Driven) -> None:
     search(driven, PART, SearchKind.BLOCK_NUMBER, 80)
     driven.until_done()
@@ -210,7 +203,6 @@ def test_without_an_order_programs_start_at_their_beginning(driven: Driven) -> N
 # ---------------------------------------------------------------------------------------------------- the way back
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize(
     ("ranks", "last"), [((0,) * 8, 2), ((2, 2, 1, 0, 0, 0, 0, 0), 0), ((1, 2, 3, 0, 0, 0, 0, 0), 2)]
 )
@@ -228,7 +220,6 @@ def test_the_axes_go_back_in_their_order(driven: Driven, ranks: tuple[int, ...],
     assert speeds.max() == pytest.approx(50.0, abs=0.1)
 
 
-@pytest.mark.spec(SPEC)
 def test_away_from_the_workpiece_the_tool_axis_goes_first(driven: Driven) -> None:
     driven.start("%DOWN\nG90 G01 F6000 X50 Y5 Z-10\nM30\n")
     driven.until_done()
@@ -241,7 +232,6 @@ def test_away_from_the_workpiece_the_tool_axis_goes_first(driven: Driven) -> Non
     assert set(path[path[:, 0] != 50.0, 2]) == {-2.0}
 
 
-@pytest.mark.spec(SPEC)
 def test_nobody_moves_without_being_told_to_and_the_hand_may_help(driven: Driven) -> None:
     operator = driven.operator
     search(driven, PART, SearchKind.BLOCK_NUMBER, 80, automatic_return=False, no_hold=False)
@@ -275,7 +265,6 @@ def test_nobody_moves_without_being_told_to_and_the_hand_may_help(driven: Driven
     assert driven.alarms == []
 
 
-@pytest.mark.spec(SPEC)
 def test_feed_hold_and_single_block_on_the_way_back(driven: Driven) -> None:
     driven.operator.single_block_w = True
     search(driven, PART, SearchKind.BLOCK_NUMBER, 80)
@@ -301,7 +290,6 @@ def test_feed_hold_and_single_block_on_the_way_back(driven: Driven) -> None:
 # ---------------------------------------------------------------------------------------------------- the PLC
 
 
-@pytest.mark.spec(SPEC)
 def test_the_plc_agrees_to_begin_and_to_end(driven: Driven) -> None:
     channel = driven.hli.channels[0]
     unit, status = channel.control.block_search_on, channel.status
@@ -326,7 +314,6 @@ def test_the_plc_agrees_to_begin_and_to_end(driven: Driven) -> None:
     assert place(driven) == [10.0, 10.0, 20.0]
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize("delay", [0.3, None])
 def test_a_function_is_waited_for_before_the_search_goes_on(demo: Machine, tmp_path: Path, delay: float | None) -> None:
     driven = make(demo, tmp_path, {(M, 8): delay})
@@ -350,7 +337,6 @@ def test_a_function_is_waited_for_before_the_search_goes_on(demo: Machine, tmp_p
     assert place(driven) == [10.0, 10.0, 20.0]
 
 
-@pytest.mark.spec(SPEC)
 def test_the_plc_may_order_it_and_the_operator_only_ask(driven: Driven) -> None:
     unit = driven.hli.channels[0].control.block_search
     unit.enable_w = True
@@ -369,7 +355,6 @@ def test_the_plc_may_order_it_and_the_operator_only_ask(driven: Driven) -> None:
     assert place(driven) == [10.0, 50.0, -2.0]
 
 
-@pytest.mark.spec(SPEC, "isg.var.g-active-flags")
 def test_the_program_knows_that_it_is_searched(driven: Driven) -> None:
     text = """%KNOWS
 N10 G90 G01 F6000 X10
@@ -396,7 +381,6 @@ N80 M30
 # ---------------------------------------------------------------------------------------------------- refused
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize(
     ("kind", "value", "words"),
     [
@@ -410,7 +394,6 @@ def test_a_place_that_is_not_there(driven: Driven, kind: SearchKind, value: int,
     assert words in refused(driven, errors.SEARCH_NOT_FOUND)
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize("block", ["G74 X1", "G200", "X[MC_MoveAbsolute Position=5 Velocity=100]"])
 def test_no_search_goes_over_motion_of_somebody_else(driven: Driven, block: str) -> None:
     search(driven, f"%OTHER\nG90 G01 F6000 X10\n{block}\nN20 X50\nM30\n", SearchKind.BLOCK_NUMBER, 20)
@@ -421,7 +404,6 @@ def test_no_search_goes_over_motion_of_somebody_else(driven: Driven, block: str)
     assert "no block search goes over" in refused(driven, errors.SEARCH_STOPS_HERE)
 
 
-@pytest.mark.spec(SPEC)
 def test_a_locked_area_is_not_entered(driven: Driven) -> None:
     text = "%LOCKED\nN10 G90 G01 F6000 X10\n#BLOCKSEARCH LOCKED\nN20 X20\nN30 X30\n#BLOCKSEARCH RELEASED\nN40 X40\nN50 M30\n"
     search(driven, text, SearchKind.BLOCK_NUMBER, 40)
@@ -434,7 +416,6 @@ def test_a_locked_area_is_not_entered(driven: Driven) -> None:
     assert place(driven)[0] == 40.0
 
 
-@pytest.mark.spec(SPEC)
 def test_orders_that_make_no_sense(driven: Driven) -> None:
     for kind, entry in ((7, errors.SEARCH_KIND), (6, errors.SEARCH_NO_POINT)):
         order = SearchOrder(type=kind)
@@ -467,7 +448,6 @@ def wait_for_way(driven: Driven, way: float) -> None:
     driven.until(lambda: driven.channel.search.point is not None and driven.channel.search.point.way >= way)
 
 
-@pytest.mark.spec(SPEC)
 @pytest.mark.parametrize("text", [PART, SMOOTH], ids=["part", "smooth"])
 def test_an_interrupted_program_goes_on_where_it_was(demo: Machine, tmp_path: Path, text: str) -> None:
     whole = make(demo, tmp_path)
@@ -500,7 +480,6 @@ def test_an_interrupted_program_goes_on_where_it_was(demo: Machine, tmp_path: Pa
     driven.assert_no_jump()
 
 
-@pytest.mark.spec(SPEC)
 def test_the_place_outlives_the_machine(demo: Machine, tmp_path: Path) -> None:
     driven = make(demo, tmp_path)
     driven.start(PART)
@@ -521,7 +500,6 @@ def test_the_place_outlives_the_machine(demo: Machine, tmp_path: Path) -> None:
     assert place(other) == [10.0, 10.0, 20.0]
 
 
-@pytest.mark.spec(SPEC)
 def test_a_search_that_is_aborted_keeps_the_place_that_was_known(driven: Driven) -> None:
     driven.start(PART)
     wait_for_way(driven, 60.0)
@@ -541,7 +519,6 @@ def test_a_search_that_is_aborted_keeps_the_place_that_was_known(driven: Driven)
     assert driven.alarm(errors.SEARCH_CHANGED)
 
 
-@pytest.mark.spec(SPEC)
 def test_a_program_with_locked_axes_is_nowhere(driven: Driven) -> None:
     driven.start(PART)
     wait_for_way(driven, 60.0)

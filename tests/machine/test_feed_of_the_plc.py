@@ -11,7 +11,7 @@ from runtime.hli.layout import StopCondition
 from tests.machine.driven import Driven
 from tests.machine.test_operator_influence import ideal, settled_speed, with_parameters
 
-EXTERNAL = pytest.mark.spec("hli.ch.cu.external-feed", "chan.plc-feed")
+EXTERNAL = pytest.mark.spec("chan.plc-feed")
 FF = pytest.mark.spec("isg.add.ff")
 FEED = "%F\nG01 F3000 X600\nM30\n"
 RAPID = "%F\nG00 X600\nM30\n"

@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import Final
 
 LOST_IN_A_ROW: Final = 3  # set-points that are extrapolated while SYNCs come
-NO_LIMIT: Final = 0xFFFF_FFFF
 
 
 class SetPoints:

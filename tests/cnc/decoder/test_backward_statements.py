@@ -47,7 +47,7 @@ def test_what_a_section_must_not_be(text: str, entry: ErrorEntry, line: int) -> 
     assert (problem.entry, problem.place.line) == (entry, line)
 
 
-@pytest.mark.spec("isg.add.backward-storage-clear", "hli.ch.cu.block-search")
+@pytest.mark.spec("isg.add.backward-storage-clear")
 def test_places_that_nobody_enters_or_goes_back_over() -> None:
     blocks = decode("G00 X1\n#BACKWARD STORAGE CLEAR\n#BLOCKSEARCH LOCKED\nX2\n#BLOCKSEARCH RELEASED\nM30").blocks
     found = [block for block in blocks if isinstance(block, ClearStorage | SearchArea)]

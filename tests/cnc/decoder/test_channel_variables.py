@@ -144,7 +144,6 @@ def test_the_state_is_only_read(name: str) -> None:
 # -- functions that are active -------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("isg.var.g-active-flags")
 @pytest.mark.parametrize(
     ("flag", "on", "off"),
     [
@@ -166,7 +165,6 @@ def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
     assert values(program, files={"here.nc": "M17"}) == {1: 1, 2: 0, 3: 1}
 
 
-@pytest.mark.spec("isg.var.g-active-flags")
 def test_the_method_of_contouring() -> None:
     program = "P1 = V.G.CONT_MODE_ACTIVE\nG261\nP2 = V.G.CONT_MODE_ACTIVE\n"
     for number, method in enumerate(("DIST", "POS", "DIST_SOFT", "PTP"), 3):
@@ -174,7 +172,7 @@ def test_the_method_of_contouring() -> None:
     assert values(f"{program}G260\nP7 = V.G.CONT_MODE_ACTIVE") == {1: 0, 2: 4, 3: 3, 4: 5, 5: 6, 6: 7, 7: 0}
 
 
-@pytest.mark.spec("isg.var.g-active-flags", "isg.var.g-link-rotation")
+@pytest.mark.spec("isg.var.g-link-rotation")
 @pytest.mark.parametrize(
     ("flag", "switches"),
     [
@@ -207,7 +205,6 @@ def test_what_cannot_be_switched_on_is_not_active(flag: str, switches: tuple[str
     assert refused(f"V.G.{flag} = 1") is C.VARIABLE_READ_ONLY
 
 
-@pytest.mark.spec("isg.var.g-active-flags")
 def test_the_measuring_type_is_the_configured_one() -> None:
     assert values("P1 = V.G.MEAS_TYPE") == {1: 1}
     assert values("P1 = V.G.MEAS_TYPE", setup=replace(SETUP, measuring_type=3)) == {1: 3}

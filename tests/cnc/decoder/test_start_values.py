@@ -75,7 +75,6 @@ def test_the_look_ahead_sees_as_far_as_braking_needs_and_stops_at_what_it_knows(
     assert np.abs(np.array(result.a)).max() <= 500.0 * 1.001
 
 
-@pytest.mark.spec("chan.hsc.bspline", "chan.hsc.bspline-off")
 def test_the_b_spline_begins_with_the_values_of_the_channel() -> None:
     parameters = (
         "hsc.bspline: {path_deviation: 100, track_deviation: 20000, max_path_length: 50000, max_angle: 900000, "

@@ -27,7 +27,6 @@ from tests.cnc.path_preparation.smoothed_paths import (
 from tests.cnc.path_preparation.test_splines import FIVE, HARD, TRIM, met, polygons, program
 
 SURFACE = pytest.mark.spec("isg.smooth.hsc-surface")
-CIRCLES = pytest.mark.spec("isg.smooth.hsc-surface-circles")
 
 
 def wave(ways: Sequence[float]) -> str:
@@ -163,7 +162,6 @@ def test_sharp_corners_leave_the_curve_and_settings_stay() -> None:
     assert all(run.check_jerk for run in curves_of(sharp))
 
 
-@CIRCLES
 def test_large_arcs_stay_and_are_joined_smoothly() -> None:
     moves = "X10 Y0\nX20 Y1\nG02 X40 Y1 I10 J-2\nG01 X50 Y0\nX60 Y3"
     path = smoothed(program("#HSC ON [SURFACE PATH_DEV=0.1]", moves, "#HSC OFF"))
@@ -181,7 +179,6 @@ def test_large_arcs_stay_and_are_joined_smoothly() -> None:
     assert met(exact, 40.0, 1.0) < 1e-9
 
 
-@CIRCLES
 @pytest.mark.parametrize(
     ("option", "arcs"), [("", 0), (" CIR_MIN_ANGLE=10", 1), (" CIR_MIN_ANGLE=10 CIR_MIN_RADIUS=60", 0)]
 )
@@ -216,7 +213,6 @@ def test_wrong_settings_are_errors(text: str, entry: object) -> None:
     assert run.problem.entry is entry
 
 
-@pytest.mark.spec("isg.var.g-active-flags")
 def test_the_flag_tells_whether_the_optimiser_is_on() -> None:
     text = "P1=V.G.HSC_SURFACE_ACTIVE\n#HSC ON [SURFACE]\nP2=V.G.HSC_SURFACE_ACTIVE\n#HSC OFF\nP3=V.G.HSC_SURFACE_ACTIVE\nM30"
     run = decode(text)
