@@ -21,7 +21,7 @@ from runtime.plc_logic.bench import Bench
 from runtime.plc_logic.cycle_time import cycle_at_ns
 from runtime.plc_logic.image import io_of
 
-ACCESSES = 100_000
+ACCESSES = 5_000
 
 
 def measure() -> list[Figure]:
@@ -88,6 +88,10 @@ def _ports() -> list[Figure]:
         for _ in range(ACCESSES):
             channel.feed_hold = True
 
+    def override() -> None:
+        for _ in range(ACCESSES):
+            channel.override = 87.5
+
     def read() -> None:
         for _ in range(ACCESSES):
             io.closed  # noqa: B018
@@ -97,14 +101,15 @@ def _ports() -> list[Figure]:
             io.valve = True
 
     return [
-        Figure(f"PLC program: {name}", seconds(call, 7) / ACCESSES * 1e9, "ns", limit)
+        Figure(f"PLC program: {name}", seconds(call, 200) / ACCESSES * 1e9, "ns", limit)
         for name, call, limit in (
             ("axis.position", position, 150),
             ("axis.in_position", in_position, 150),
             ("channel.state", state, 150),
-            ("channel.feed_hold = True", hold, None),
+            ("channel.feed_hold = True", hold, 150),
+            ("channel.override = 87.5", override, None),
             ("io input", read, 150),
-            ("io output = True", write, None),
+            ("io output = True", write, 150),
         )
     ]
 

@@ -42,12 +42,18 @@ class _Area:
     def __init__(self, control: ChannelControl | AxisControl) -> None:
         self._control = control
         self._units: dict[str, BoolUnit | Uns32Unit | Sgn32Unit] = {}  # views are made once
+        self._flags: dict[str, memoryview] = {}  # of units of BOOL, element by element
 
     def _unit(self, name: str) -> BoolUnit | Uns32Unit | Sgn32Unit:
         unit = self._units.get(name)
         if unit is None:
             unit = self._units[name] = getattr(self._control, name)
         return unit
+
+    def _flags_of(self, name: str) -> memoryview:
+        """The elements of a unit of BOOL; a flag is written through them in half the time that its structure takes."""
+        flags = self._flags[name] = memoryview(self._unit(name)).cast("B").cast("?")
+        return flags
 
 
 class _Command:
@@ -61,6 +67,7 @@ class _Command:
         area._unit(self._name).enable_w = False
 
 
+_COMMAND, _ENABLE = BoolUnit.command_w.offset, BoolUnit.enable_w.offset
 # Members by their numbers: making one from a number costs ten times as much as looking it up.
 _MODES = {int(mode): mode for mode in Mode}
 _STATES = {int(state): state for state in State}
@@ -77,9 +84,12 @@ class BoolCommand(_Command):
         return bool(area._unit(self._name).state_r)
 
     def __set__(self, area: _Area, value: bool) -> None:
-        unit = area._units.get(self._name) or area._unit(self._name)  # a call less
-        unit.command_w = bool(value)
-        unit.enable_w = True
+        try:
+            flags = area._flags[self._name]
+        except KeyError:
+            flags = area._flags_of(self._name)
+        flags[_COMMAND] = value  # TRUE or FALSE, whatever it is
+        flags[_ENABLE] = True
 
 
 class PercentCommand(_Command):
@@ -89,8 +99,8 @@ class PercentCommand(_Command):
         return float(area._unit(self._name).state_r) * PERCENT
 
     def __set__(self, area: _Area, value: float) -> None:
-        unit = area._unit(self._name)
-        unit.command_w = max(round(value / PERCENT), 0)
+        unit = area._units.get(self._name) or area._unit(self._name)  # a call less
+        unit.command_w = 0 if value <= 0.0 else round(value / PERCENT)
         unit.enable_w = True
 
 
