@@ -30,7 +30,7 @@ Units: mm or degrees, per second; angles of arcs in radians.
 from __future__ import annotations
 
 from copy import copy
-from enum import IntEnum
+from enum import IntEnum, unique
 from multiprocessing import shared_memory
 from typing import Any
 
@@ -88,6 +88,7 @@ class GateReason(IntEnum):
     SEARCH_GO_ON = 33
 
 
+@unique
 class ActionKind(IntEnum):
     """What an action does."""
 
@@ -98,15 +99,15 @@ class ActionKind(IntEnum):
     SPINDLE = 4  # a setting of a spindle
     TOOL_LIFE = 5
     AXIS_JOB = 6  # a PLCopen job for an axis outside the path
-    MANUAL_ON = 20  # G201
-    MANUAL_PARAMETER = 21
-    OPTIONAL_ON = 22  # #OPTIONAL EXECUTION: a section that may be left out begins
-    OPTIONAL_OFF = 23
-    DISTANCE_BEGIN = 26  # #DIST TO GO
-    DISTANCE_END = 27  # `end`: what every axis travels in the section
-    NOTHING = 25  # was something that is left out
-    CLEAR_STORAGE = 24  # #BACKWARD STORAGE CLEAR
-    SEARCH_PLACE = 30  # the program goes on here after a block search
+    MANUAL_ON = 7  # G201
+    MANUAL_PARAMETER = 8
+    OPTIONAL_ON = 9  # #OPTIONAL EXECUTION: a section that may be left out begins
+    OPTIONAL_OFF = 10
+    CLEAR_STORAGE = 11  # #BACKWARD STORAGE CLEAR
+    DISTANCE_BEGIN = 12  # #DIST TO GO
+    DISTANCE_END = 13  # `end`: what every axis travels in the section
+    SEARCH_PLACE = 14  # the program goes on here after a block search
+    NOTHING = 15  # was something that is left out
 
 
 RECORD = np.dtype(

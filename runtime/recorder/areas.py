@@ -125,17 +125,20 @@ class Area:
 
     def take_in(self, kind: int, out: Words, at: int) -> int:
         """What others have written, as a section of a record; the place behind it."""
-        # a plain number: to tell the type of an enum takes Numba half a millisecond
-        return section_in(int(kind), self.shared, self.own, self.agreed, self.flags, self.guarded, out, at)
+        return self._exchange(kind, True, self.guarded, self.flags, out, at)
 
     def give_out(self, kind: int, out: Words, at: int) -> int:
         """What the cycle has written, as a section of a record; the place behind it."""
-        return section_out(int(kind), self.shared, self.own, self.agreed, self.guarded, self.flags, self.sizes, out, at)
+        return self._exchange(kind, False, self.guarded, self.flags, out, at)
 
     def settle(self) -> None:
         """Bring everything that the cycle has written so far to the others; before anybody else writes."""
         everything = np.array([[0, len(self.own)]], dtype=np.int64)
-        give_out(self.shared, self.own, self.agreed, everything, self.flags[:0], self.sizes, np.zeros(0, np.int64), 0)
+        self._exchange(0, False, everything, self.flags[:0], np.zeros(0, np.int64), 0)
+
+    def _exchange(self, kind: int, inward: bool, guarded: Spans, flags: Words, out: Words, at: int) -> int:
+        # a plain number: to tell the type of an enum takes Numba half a millisecond
+        return exchange(int(kind), inward, self.shared, self.own, self.agreed, flags, guarded, self.sizes, out, at)
 
 
 def _spans(words: list[int]) -> Spans:
@@ -150,7 +153,38 @@ def _spans(words: list[int]) -> Spans:
 
 
 @kernel
-def _scan_in(shared: Words, own: Words, agreed: Words, spans: Spans, out: Words, at: int) -> int:
+def _store(shared: Words, value: int, old: int, i: int, sizes: npt.NDArray[np.uint8]) -> None:
+    """One word, element by element, each by one store; those that have not changed are left alone."""
+    if sizes[8 * i] == 8:
+        shared[i] = value
+        return
+    bytes_of, halves, words = shared.view(np.uint8), shared.view(np.uint16), shared.view(np.uint32)
+    for b in range(8):
+        size = sizes[8 * i + b]
+        new, was = (value >> (8 * b)), (old >> (8 * b))
+        if size == 1 and (new ^ was) & 0xFF:
+            bytes_of[8 * i + b] = new & 0xFF
+        elif size == 2 and (new ^ was) & 0xFFFF:
+            halves[4 * i + b // 2] = new & 0xFFFF
+        elif size == 4 and (new ^ was) & 0xFFFFFFFF:
+            words[2 * i + b // 4] = new & 0xFFFFFFFF
+
+
+@kernel
+def _scan(
+    source: Words,
+    target: Words,
+    agreed: Words,
+    spans: Spans,
+    sizes: npt.NDArray[np.uint8],
+    whole: bool,
+    out: Words,
+    at: int,
+) -> int:
+    """Bring what differs between source and agreed to the target, and write it down in `out`; the place behind it.
+
+    `whole`: nobody else writes into the target, so whole words are stored, not elements of `sizes`.
+    """
     room = out.shape[0]
     for k in range(spans.shape[0]):
         i, end = spans[k, 0], spans[k, 1]
@@ -159,16 +193,19 @@ def _scan_in(shared: Words, own: Words, agreed: Words, spans: Spans, out: Words,
             if i + 8 <= end:
                 differs = 0
                 for j in range(i, i + 8):
-                    differs |= shared[j] ^ agreed[j]
+                    differs |= source[j] ^ agreed[j]
                 if differs == 0:
                     i += 8
                     continue
             stop = min(i + 8, end)
             while i < stop:
-                value = shared[i]
+                value = source[i]
                 if value != agreed[i]:
+                    if whole:
+                        target[i] = value
+                    else:
+                        _store(target, value, agreed[i], i, sizes)
                     agreed[i] = value
-                    own[i] = value
                     if before != i - 1:
                         head = at
                         if at < room:
@@ -192,130 +229,48 @@ def _write_one(word: int, value: int, out: Words, at: int) -> int:
 
 
 @kernel
-def take_in(shared: Words, own: Words, agreed: Words, flags: Words, guarded: Spans, out: Words, at: int) -> int:
-    """Take over what others have written, and write it down in `out` from `at` on; the place behind it.
-
-    A place beyond the end of `out` tells that it had no room for everything; what is taken over is whole all the same.
-    """
-    for k in range(flags.shape[0]):
-        i = flags[k]
-        value = shared[i]
-        if value != agreed[i]:
-            agreed[i] = value
-            own[i] = value
-            at = _write_one(i, value, out, at)
-    return _scan_in(shared, own, agreed, guarded, out, at)
-
-
-@kernel
-def _store(shared: Words, value: int, old: int, i: int, sizes: npt.NDArray[np.uint8]) -> None:
-    """One word, element by element, each by one store; those that have not changed are left alone."""
-    if sizes[8 * i] == 8:
-        shared[i] = value
-        return
-    bytes_of, halves, words = shared.view(np.uint8), shared.view(np.uint16), shared.view(np.uint32)
-    for b in range(8):
-        size = sizes[8 * i + b]
-        new, was = (value >> (8 * b)), (old >> (8 * b))
-        if size == 1 and (new ^ was) & 0xFF:
-            bytes_of[8 * i + b] = new & 0xFF
-        elif size == 2 and (new ^ was) & 0xFFFF:
-            halves[4 * i + b // 2] = new & 0xFFFF
-        elif size == 4 and (new ^ was) & 0xFFFFFFFF:
-            words[2 * i + b // 4] = new & 0xFFFFFFFF
-
-
-@kernel
-def _scan_out(
-    shared: Words, own: Words, agreed: Words, spans: Spans, sizes: npt.NDArray[np.uint8], out: Words, at: int
-) -> int:
-    room = out.shape[0]
-    for k in range(spans.shape[0]):
-        i, end = spans[k, 0], spans[k, 1]
-        before, head = -2, 0
-        while i < end:
-            if i + 8 <= end:
-                differs = 0
-                for j in range(i, i + 8):
-                    differs |= own[j] ^ agreed[j]
-                if differs == 0:
-                    i += 8
-                    continue
-            stop = min(i + 8, end)
-            while i < stop:
-                value = own[i]
-                if value != agreed[i]:
-                    _store(shared, value, agreed[i], i, sizes)
-                    agreed[i] = value
-                    if before != i - 1:
-                        head = at
-                        if at < room:
-                            out[at] = i << 32
-                        at += 1
-                    if at < room:
-                        out[at] = value
-                        out[head] += 1
-                    at += 1
-                    before = i
-                i += 1
-    return at
-
-
-@kernel
-def give_out(
-    shared: Words,
-    own: Words,
-    agreed: Words,
-    guarded: Spans,
-    flags: Words,
-    sizes: npt.NDArray[np.uint8],
-    out: Words,
-    at: int,
-) -> int:
-    """Hand over what the cycle has written, and write it down in `out` from `at` on; the place behind it, as `take_in`."""
-    at = _scan_out(shared, own, agreed, guarded, sizes, out, at)
-    for k in range(flags.shape[0] - 1, -1, -1):  # what stands first in an area guards the most
-        i = flags[k]
-        value = own[i]
-        if value != agreed[i]:
-            _store(shared, value, agreed[i], i, sizes)
-            agreed[i] = value
-            at = _write_one(i, value, out, at)
-    return at
-
-
-@kernel
-def section_in(
-    kind: int, shared: Words, own: Words, agreed: Words, flags: Words, guarded: Spans, out: Words, at: int
-) -> int:
-    """`take_in` as a section of a record; nothing is written if nothing has come."""
-    end = take_in(shared, own, agreed, flags, guarded, out, at + 1)
-    if end == at + 1:
-        return at
-    if at < out.shape[0]:
-        out[at] = kind << 32 | (end - at - 1)
-    return end
-
-
-@kernel
-def section_out(
+def exchange(
     kind: int,
+    inward: bool,
     shared: Words,
     own: Words,
     agreed: Words,
-    guarded: Spans,
     flags: Words,
+    guarded: Spans,
     sizes: npt.NDArray[np.uint8],
     out: Words,
     at: int,
 ) -> int:
-    """`give_out` as a section of a record; nothing is written if nothing has changed."""
-    end = give_out(shared, own, agreed, guarded, flags, sizes, out, at + 1)
-    if end == at + 1:
-        return at
-    if at < out.shape[0]:
-        out[at] = kind << 32 | (end - at - 1)
-    return end
+    """Take over what others have written (`inward`), or hand over what the cycle has; the place behind it in `out`.
+
+    It is written down as a section of a record, which begins at `at`; if nothing has changed there is none. A place beyond
+    the end of `out` tells that it had no room for everything; what is exchanged is whole all the same.
+    """
+    begin = at
+    at += 1
+    if inward:
+        for k in range(flags.shape[0]):
+            i = flags[k]
+            value = shared[i]
+            if value != agreed[i]:
+                agreed[i] = value
+                own[i] = value
+                at = _write_one(i, value, out, at)
+        at = _scan(shared, own, agreed, guarded, sizes, True, out, at)
+    else:
+        at = _scan(own, shared, agreed, guarded, sizes, False, out, at)
+        for k in range(flags.shape[0] - 1, -1, -1):  # what stands first in an area guards the most
+            i = flags[k]
+            value = own[i]
+            if value != agreed[i]:
+                _store(shared, value, agreed[i], i, sizes)
+                agreed[i] = value
+                at = _write_one(i, value, out, at)
+    if at == begin + 1:
+        return begin
+    if begin < out.shape[0]:
+        out[begin] = kind << 32 | (at - begin - 1)
+    return at
 
 
 @kernel
@@ -337,7 +292,7 @@ def _warm() -> None:
     spans, out, sizes = np.array([[0, 1]]), np.zeros(8, dtype=np.int64), np.full(16, 4, dtype=np.uint8)
     shared[0] = 1
     flags = np.array([1])
-    used = section_in(1, shared, own, agreed, flags, spans, out, 0)
+    used = exchange(1, True, shared, own, agreed, flags, spans, sizes, out, 0)
     own[0] = 2
-    section_out(1, shared, own, agreed, spans, flags, sizes, out, 0)
+    exchange(1, False, shared, own, agreed, flags, spans, sizes, out, 0)
     apply_changes(out[1:used], own, agreed)

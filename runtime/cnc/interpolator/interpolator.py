@@ -164,11 +164,6 @@ class Interpolator:
         return float(self._f[c.V])
 
     @property
-    def path_acceleration(self) -> float:
-        """mm/s² along the path."""
-        return float(self._f[c.A])
-
-    @property
     def path_position(self) -> float:
         """Way since `restart`, mm; falls while the path is driven backward."""
         return self._way[0] + self._way[1] * float(self._f[c.PATH])

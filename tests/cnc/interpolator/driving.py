@@ -11,6 +11,7 @@ import numpy.typing as npt
 from runtime.cnc.blocks import Block
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
+from runtime.cnc.interpolator import cycle as motion
 from runtime.cnc.motion_queue import MotionQueue, RecordKind
 from runtime.cnc.path_preparation import PumpState, QueueWriter
 from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
@@ -99,7 +100,7 @@ def drive(
         result.positions.append(interpolator.position.copy())
         result.velocities.append(interpolator.velocity.copy())
         result.v.append(interpolator.path_velocity)
-        result.a.append(interpolator.path_acceleration)
+        result.a.append(float(interpolator._f[motion.A]))
         result.s.append(interpolator.path_position)
         result.record.append(interpolator.index)
         result.starved.append(interpolator.starved)
