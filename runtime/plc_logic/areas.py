@@ -42,7 +42,7 @@ class _Area:
     def __init__(self, control: ChannelControl | AxisControl) -> None:
         self._control = control
         self._units: dict[str, BoolUnit | Uns32Unit | Sgn32Unit] = {}  # views are made once
-        self._flags: dict[str, memoryview] = {}  # of units of BOOL, element by element
+        self._flags: dict[str, memoryview[bool]] = {}  # of units of BOOL, element by element
 
     def _unit(self, name: str) -> BoolUnit | Uns32Unit | Sgn32Unit:
         unit = self._units.get(name)
@@ -50,7 +50,7 @@ class _Area:
             unit = self._units[name] = getattr(self._control, name)
         return unit
 
-    def _flags_of(self, name: str) -> memoryview:
+    def _flags_of(self, name: str) -> memoryview[bool]:
         """The elements of a unit of BOOL; a flag is written through them in half the time that its structure takes."""
         flags = self._flags[name] = memoryview(self._unit(name)).cast("B").cast("?")
         return flags
