@@ -100,6 +100,7 @@ class DeleteDistance:
             record["kind"], record["start"][:n], record["length"] = RecordKind.LINE, path.position, length
             record["v_limit"], record["a_limit"] = dynamics.v_limit[0], dynamics.a_limit[0]
             record["j_limit"] = dynamics.j_limit[0]
+            record["a_hold"] = record["j_hold"] = 0.0
             record["v_entry"] = record["v_corner"] = 0.0
             for i in range(begin + 1, queue.written):
                 following = queue.record(i)

@@ -16,7 +16,8 @@ What the axes may do on an element is the set of limits with the number `limits`
 acceleration and jerk, separately for speeding up and slowing down. `v_corner` is what the corner before the element
 allows by itself: jumps of velocity and acceleration, exact stops, the feed at the end of the block before. What the
 path velocity may be on the element follows from both and the geometry. `v_limit`, `a_limit`, `j_limit` and `v_entry`
-are the same in one box per element. `a_entry` is what the path acceleration may jump by at that corner.
+are the same in one box per element. `a_entry` is what the path acceleration may jump by at that corner. `a_hold` and
+`j_hold` are what feed hold brakes with if it has a ramp of its own (P-CHAN-00097); 0: as everything else.
 
 What the program itself limits along the path (`path_v`, `path_a`, `path_d`, `path_j`: #VECTOR LIMIT, programmed override
 of rapid moves; 0: nothing) holds beside it; the box has it already. `unwatched`: what does not limit the path on this
@@ -125,6 +126,8 @@ RECORD = np.dtype(
         ("v_limit", "f8"),  # path velocity, acceleration and jerk at which no axis exceeds its limits on this element
         ("a_limit", "f8"),
         ("j_limit", "f8"),
+        ("a_hold", "f8"),  # what feed hold brakes with, 0: with the limits of the element
+        ("j_hold", "f8"),
         ("v_entry", "f8"),  # greatest path velocity over the corner between the element before and this one
         (
             "a_entry",

@@ -109,6 +109,13 @@ class HomingSetup(Model):
     way: Annotated[Length, Field(gt=0)] | None = None  # greatest way in one direction; default: 1.1 times the travel
 
 
+class FeedHoldRamp(Model):
+    """How an axis brakes in feed hold if P-CHAN-00097 is set; what is left out is that of the axis."""
+
+    deceleration: Acceleration | None = None  # P-AXIS-00024; never more than the acceleration of the axis
+    ramp_time: Annotated[Seconds, Field(gt=0)] | None = None  # P-AXIS-00081, in which it builds up
+
+
 class GearStage(Model):
     """Dynamic data of a gear stage of a spindle (M40 is stage 1)."""
 
@@ -132,6 +139,7 @@ class Axis(Model):
     following_error: Annotated[Length, Field(gt=0)] = 5.0  # alarm above it
     in_position: Annotated[Length, Field(gt=0)] = 0.02  # window of standstill
     jog_velocity: Velocity | None = None  # by hand, until the PLC or the program names another; default: a tenth
+    feed_hold: FeedHoldRamp = FeedHoldRamp()
     homing: HomingSetup | None = None  # None: the encoder is absolute, the axis has its reference always
     drive: Drive | None = None
     compensation: Compensation | None = None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from runtime.config.channel.parameters import ChannelParameters
-from runtime.config.machine import Machine
+from runtime.config.machine import FeedHoldRamp, Machine
 from runtime.hli.layout import StopCondition
 from runtime.hli.sampled_override import SampledOverride
 from runtime.scheduler.run_ahead import RunAhead
@@ -232,3 +232,31 @@ def test_feed_hold_brakes_with_the_weighted_acceleration(demo: Machine, tmp_path
         assert (np.diff(v)[-400:] / 1e-3).min() >= -4000.0 * 1.001
     assert ways[1] > 1.8 * ways[0]
     assert ways[2] == pytest.approx(ways[1])
+
+
+@pytest.mark.spec("chan.feedhold-ramp", "isg.g.acceleration-weight", "isg.g.ramp-time-weight")
+def test_feed_hold_with_its_own_ramp_is_weighted_by_the_program(demo: Machine, tmp_path: Path) -> None:
+    axes = tuple(
+        axis.model_copy(update={"feed_hold": FeedHoldRamp(deceleration=1000.0, ramp_time=0.1)}) for axis in demo.axes
+    )
+    machine = with_parameters(demo.model_copy(update={"axes": axes}), use_drive_curr_limit=True)
+    for words, deceleration, jerk in (
+        ("G131=20", 1000.0, 10_000.0),
+        ("G131=20 G334=200", 2000.0, 20_000.0),
+        ("G131=20 G333 X200\nG338 X50", 2000.0, 40_000.0),
+        ("G131=20 G334=50", 1000.0, 10_000.0),  # 500 would be less than the 800 of the program
+        ("G131=20 G339=200", 1000.0, 5_000.0),
+    ):
+        driven = ideal(machine, tmp_path)
+        driven.start(f"%H\n{words}\nG01 F6000 X600\nM30\n")
+        driven.until_x(200.0)
+        driven.operator.feedhold_w = True
+        begin = driven.image.target_position[0]
+        driven.until(lambda d=driven: d.channel.interpolator.standstill)  # type: ignore[misc]
+        way, v = float(driven.image.target_position[0] - begin), 100.0
+        least = (
+            v * (v / deceleration + deceleration / jerk) / 2.0 if v > deceleration**2 / jerk else v * (v / jerk) ** 0.5
+        )
+        assert way == pytest.approx(least, abs=0.3), words  # seen some cycles later
+        acceleration = np.diff(np.array(driven.targets)[:, 0], 2) / 1e-6
+        assert acceleration.min() >= -deceleration * 1.001

@@ -214,7 +214,7 @@ def choose(
         if mode < 0:
             continue
         rows = i[ROWS + mode]
-        if keeps_limits(records, written, i[CUR], f[S_IN], i[OPENED], single, plans[mode], rows, period):
+        if keeps_limits(records, written, i[CUR], f[S_IN], i[OPENED], single, plans[mode], rows, period, hold):
             plans[KEPT, :rows] = plans[mode, :rows]
             i[ROWS_KEPT], i[BRAKED] = rows, i[BRAKED_IN + mode]
             f[PLAN_TIME] = 0.0

@@ -30,6 +30,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.interpolator.plan import most_acceleration
 from runtime.cnc.interpolator.profile import (
     BORDER,
     FEED,
@@ -149,22 +150,26 @@ def collect(
         what = r["kind"]
         if what <= POLYNOMIAL:
             wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["external"], r["v_limit"], orders)
+            a_most = most_acceleration(r["a_limit"], r["a_hold"], hold)
+            j_most = most_acceleration(r["j_limit"], r["j_hold"], hold)
             if not moving:
                 moving = True
                 kind[0], d[0], x[0], zone[0] = NOW, 0.0, wanted, 0
-                A[0], J[0] = r["a_limit"], r["j_limit"]
+                A[0], J[0] = a_most, j_most
                 count = 1
                 fastest, least_wanted = r["v_limit"], wanted
-                B[0] = r["j_limit"]
-                up[0], up[1] = r["a_limit"], r["j_limit"]
-                A_least, J_least = r["a_limit"], r["j_limit"]
+                B[0] = j_most
+                if hold and r["a_hold"] > 0.0:  # which may be the gentler one, too
+                    A[0], J[0], B[0] = r["a_hold"], r["j_hold"], r["j_hold"]
+                up[0], up[1] = a_most, j_most
+                A_least, J_least = a_most, j_most
                 a_top = max(a, 0.0) + J_least * period
                 v_top = v_most = v + a_top * period
                 top = v_top + a_top * a_top / (2.0 * J_least)
                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                 way = r["length"] - s_in
             else:
-                J_then = min(J_least, r["j_limit"])
+                J_then = min(J_least, j_most)
                 less = J_then < J_least
                 peak = v_top + a_top * a_top / (2.0 * J_then)
                 if r["v_limit"] < fastest or less:
@@ -186,7 +191,7 @@ def collect(
                     if slowest_corner < top and slowest_corner < fastest:
                         kind[count], d[count], x[count], zone[count] = SPEED, way, slowest_corner, here
                         A[count], J[count] = A_least, J_least
-                        B[count] = min(r["a_entry"], min(A_least, r["a_limit"])) if slowest_corner > 0.0 else 0.0
+                        B[count] = min(r["a_entry"], min(A_least, a_most)) if slowest_corner > 0.0 else 0.0
                         if B[count] > 0.0:  # behind it the path may be faster at once
                             slowest_corner = np.inf
                             if here == 0 and B[count] > a_top and way <= 2.0 * v_top * period:
@@ -195,10 +200,10 @@ def collect(
                                 top = v_top + a_top * a_top / (2.0 * J_least)
                                 need = brake_distance(v_top, a_top, 0.0, A_least, J_least) + v_top * period * MARGIN
                         count += 1
-                sharp = r["a_limit"] < SHARP * A_least or r["j_limit"] < SHARP * J_least
-                if r["a_limit"] < A_least or r["j_limit"] < J_least:
+                sharp = a_most < SHARP * A_least or j_most < SHARP * J_least
+                if a_most < A_least or j_most < J_least:
                     J_before, A_before = J_least, A_least
-                    A_least, J_least = min(A_least, r["a_limit"]), min(J_least, r["j_limit"])
+                    A_least, J_least = min(A_least, a_most), min(J_least, j_most)
                     kind[count], d[count], x[count], zone[count] = REDUCE, way, A_least, here
                     A[count], J[count] = J_least, J_before
                     count += 1
@@ -217,7 +222,7 @@ def collect(
                         borders[here, 3] = min(r["v_limit"], r["v_entry"])
                         borders[here, 4] = min(wanted, borders[here, 3])
                         borders[here, 5] = count
-                        A_least, J_least = r["a_limit"], r["j_limit"]
+                        A_least, J_least = a_most, j_most
                         fastest, least_wanted, slowest_corner = r["v_limit"], wanted, np.inf
                         top = np.inf  # whatever comes counts for the speed at the border
                         v_top = np.inf

@@ -110,9 +110,18 @@ def crossing(way: float, v: float, a: float, jerk: float, most: float) -> float:
 
 
 @kernel
-def part_keeps(r: Records, jerk: float, t: float, v0: float, a0: float, v1: float, a1: float, period: float) -> bool:
+def most_acceleration(limit: float, in_hold: float, hold: bool) -> float:
+    """The acceleration, or the jerk, that an element allows: in feed hold also that of its own ramp, if it is the harder one."""
+    return max(limit, in_hold) if hold else limit
+
+
+@kernel
+def part_keeps(
+    r: Records, jerk: float, t: float, v0: float, a0: float, v1: float, a1: float, period: float, hold: bool
+) -> bool:
     """Whether a piece, or the part of one that lies on the element `r`, keeps its limits."""
-    A, J = r["a_limit"], r["j_limit"]
+    A = most_acceleration(float(r["a_limit"]), float(r["a_hold"]), hold)
+    J = most_acceleration(float(r["j_limit"]), float(r["j_hold"]), hold)
     if max(abs(a0), abs(a1)) > A * (1.0 + ROUNDING_A) + 1e-4:
         return False
     if (abs(jerk) - J) * t > ROUNDING_J * J * period:
@@ -145,9 +154,12 @@ def keeps_limits(
     plan: Floats,
     rows: int,
     period: float,
+    hold: bool,
 ) -> bool:
     """Whether a plan from `s_in` in record `cur` ends standing, before the first closed gate, `single` (the end of a
-    block, -1: none) and the end of what is known, and keeps v, a, j of every element and the speed of every corner."""
+    block, -1: none) and the end of what is known, and keeps v, a, j of every element and the speed of every corner.
+
+    `hold`: it brakes for feed hold, which may have limits of its own."""
     size = records.shape[0]
     last = rows - 1
     if plan[last, SPEED_AT] != 0.0 or plan[last, ACCELERATION_AT] != 0.0:
@@ -175,7 +187,7 @@ def keeps_limits(
             if s < border - AT_BORDER:
                 t = crossing(border - s, v, a, jerk, time)
                 v_t, a_t = v + a * t + jerk * t * t / 2.0, a + jerk * t
-                if not part_keeps(r, jerk, t - t0, v0, a0, v_t, a_t, period):
+                if not part_keeps(r, jerk, t - t0, v0, a0, v_t, a_t, period, hold):
                     return False
                 t0, v0, a0 = t, v_t, a_t
             if e == single:
@@ -189,12 +201,15 @@ def keeps_limits(
                 return False
             r = records[e % size]
             # at a corner with standstill 1e-9 mm are already some 1e-4 mm/s: v = ∛J (6 s)^⅔ / 2
-            if v0 > r["v_entry"] + ROUNDING_V and v0 > 0.5 * r["j_limit"] ** (1.0 / 3.0) * 3e-4:
+            if (
+                v0 > r["v_entry"] + ROUNDING_V
+                and v0 > 0.5 * most_acceleration(r["j_limit"], r["j_hold"], hold) ** (1.0 / 3.0) * 3e-4
+            ):
                 return False
             if leapt > r["a_entry"] * (1.0 + ROUNDING_A):
                 return False
             leapt = 0.0
             border += r["length"]
-        if not part_keeps(r, jerk, time - t0, v0, a0, v1, a1, period):
+        if not part_keeps(r, jerk, time - t0, v0, a0, v1, a1, period, hold):
             return False
     return True

@@ -357,7 +357,7 @@ def drive(
         while border < count and (kind[border] != REDUCE or d[border] - s <= TOLERANCE):
             if kind[border] == REDUCE:
                 A_up, J_up = min(A_up, x[border]), min(J_up, A[border])
-                B[0] = J_up
+                B[0] = min(B[0], J_up)
             border += 1
         if T >= NEVER and v == 0.0 and a == 0.0:
             break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
@@ -46,10 +47,22 @@ class WeightTable:
 
 
 @dataclass(frozen=True, slots=True)
+class HoldRamp:
+    """How the axes brake in feed hold: mm or degrees per s² and s, each (n,); inf and 0: as hard as they can.
+
+    P-AXIS-00024 and P-AXIS-00081.
+    """
+
+    deceleration: Floats
+    ramp_time: Floats
+
+
+@dataclass(frozen=True, slots=True)
 class ChannelDynamics:
     """What channel parameters say of the dynamics: both tables, whether a limit of the path acceleration acts on circles too
     (P-CHAN-00350), whether the override scales what the axes leave of a feed, not the feed itself (P-CHAN-00066), whether a
-    feed that the PLC commands acts on rapid moves (P-CHAN-00102), and whether #FF weights it (P-CHAN-00422)."""
+    feed that the PLC commands acts on rapid moves (P-CHAN-00102), whether #FF weights it (P-CHAN-00422), and the ramp of feed
+    hold if it has one of its own (P-CHAN-00097)."""
 
     by_length: WeightTable = WeightTable()
     by_radius: WeightTable = WeightTable()
@@ -57,11 +70,20 @@ class ChannelDynamics:
     override_of_limited: bool = False
     external_on_rapid: bool = False
     feed_factor_counts: bool = True
+    hold: HoldRamp | None = None
 
 
 def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
     """The tables of a channel of the machine."""
     parameters = machine.channels[channel].parameters
+    hold = None
+    if parameters.use_drive_curr_limit:
+        axes = {axis.name: axis for axis in machine.axes}
+        ramps = [axes[name].feed_hold for name in machine.channels[channel].axes]
+        hold = HoldRamp(
+            np.array([math.inf if one.deceleration is None else one.deceleration for one in ramps]),
+            np.array([0.0 if one.ramp_time is None else one.ramp_time for one in ramps]),
+        )
     return ChannelDynamics(
         WeightTable.of(parameters.dynamic_weighting),
         WeightTable.of(parameters.curve_dynamic_weighting),
@@ -69,4 +91,5 @@ def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
         parameters.override_weight_prog_feed != 1,
         parameters.plc_command_rapid_feed,
         not parameters.disable_feed_factor,
+        hold,
     )

@@ -96,13 +96,18 @@ class Kind:
         return limit
 
 
+Hold = tuple[Floats, Floats]  # acceleration and jerk of feed hold along the path, each (k,)
+
+
 @dataclass(frozen=True, slots=True)
 class Limited:
-    """Limits of successive elements, how the last one ends, and where the limits come from."""
+    """Limits of successive elements, how the last one ends, where the limits come from, and the ramp of feed hold if it has
+    one of its own."""
 
     dynamics: Dynamics
     after: Border
     kinds: list[Kind]
+    hold: Hold | None = None
 
 
 Made = tuple[Dynamics, Border]
@@ -330,7 +335,7 @@ class DynamicLimits:
 
         part = _Part(make, turn, _goes_on(np.array([True]), before), bend, circle=True)
         dynamics, after, kind = self._limited(part, math.isinf(feed), factors, 1)
-        return Limited(dynamics, after, [kind])
+        return Limited(dynamics, after, [kind], self._hold(part, math.isinf(feed), dynamics, kind))
 
     def _rows(self, length: Floats, rapid: Flags) -> Ints:
         """The row of the weights by path length of each straight move, -1 without."""
@@ -353,19 +358,25 @@ class DynamicLimits:
             ends = [*(np.flatnonzero((np.diff(rows) != 0) | (np.diff(rapid) != 0)) + 1).tolist(), len(rapid)]
         parts: list[Dynamics] = []
         kinds: list[Kind] = []
+        holds: list[Hold] = []
         begin = 0
         for end in ends:
             factors = self._weights.by_length.factors[rows[begin]] if rows[begin] >= 0 else _NONE
-            dynamics, before, kind = self._limited(part(begin, end, before), bool(rapid[begin]), factors, end - begin)
+            piece = part(begin, end, before)
+            dynamics, before, kind = self._limited(piece, bool(rapid[begin]), factors, end - begin)
+            hold = self._hold(piece, bool(rapid[begin]), dynamics, kind)
+            if hold is not None:
+                holds.append(hold)
             parts.append(dynamics)
             kinds.append(kind)
             begin = end
         assert before is not None
         if len(parts) == 1:
-            return Limited(parts[0], before, kinds)
+            return Limited(parts[0], before, kinds, holds[0] if holds else None)
         names = [field.name for field in fields(Dynamics)]
         joined = Dynamics(*(np.concatenate([getattr(one, name) for one in parts]) for name in names))
-        return Limited(joined, before, kinds)
+        both = (np.concatenate([a for a, _ in holds]), np.concatenate([j for _, j in holds])) if holds else None
+        return Limited(joined, before, kinds, both)
 
     def _limited(self, part: _Part, rapid: bool, factors: Factors, count: int) -> tuple[Dynamics, Border, Kind]:
         """Elements of one kind."""
@@ -397,6 +408,53 @@ class DynamicLimits:
             )
         path = self._along_path(part, settings.of(rapid))
         return self._path_limits(dynamics, path, settings.of(rapid), part), after, Kind(count, limits, path)
+
+    # ------------------------------------------------------------------ feed hold
+
+    def _hold_limits(self, rapid: bool, active: AxisLimits) -> tuple[Floats, Floats] | None:
+        """Deceleration and jerk of each axis in feed hold, (n,), None if it has no ramp of its own.
+
+        A weight counts if what it leads to is no less than what the moves brake with.
+        """
+        hold, settings, machine = self._weights.hold, self._settings, self._machine
+        if hold is None:
+            return None
+        n, greatest = machine.n, machine.deceleration
+        plain = np.minimum(hold.deceleration, greatest)
+        weighted = np.minimum(plain * _array(settings.hold_acceleration, n), greatest)
+        deceleration = np.where(weighted >= active.least_acceleration * (1.0 - 1e-9), weighted, plain)
+        least_time = plain / machine.braking_jerk
+        ramp = np.maximum(hold.ramp_time, least_time) * np.maximum(_array(settings.hold_ramp_time, n), LEAST_WEIGHT)
+        return deceleration, self._jerk(
+            machine.braking_jerk, deceleration / (ramp * machine.braking_jerk), deceleration
+        )
+
+    def _hold(self, part: _Part, rapid: bool, dynamics: Dynamics, kind: Kind) -> Hold | None:
+        """What feed hold brakes with on elements of one kind.
+
+        Two boxes: what the axes stand at the speeds of `dynamics` (of each axis the harder of both brakings), and what is asked
+        for. The smaller one counts.
+        """
+        limits = self._hold_limits(rapid, kind.axes)
+        if limits is None:
+            return None
+        deceleration, jerk = limits
+        hardest = np.maximum(deceleration, kind.axes.least_acceleration)
+        harder_jerk = np.maximum(jerk, kind.axes.least_jerk)
+        hard = self._box(part, kind.axes, hardest, harder_jerk)
+        # Curvature takes what it takes at the speeds that hold: a box for lower ones says nothing.
+        slower = (hard.v_limit < dynamics.v_limit * (1.0 - 1e-9)) | (hard.v_entry < dynamics.v_entry * (1.0 - 1e-9))
+        slower[:-1] |= slower[1:]
+        a = np.where(slower, dynamics.a_limit, hard.a_limit)
+        j = np.where(slower, dynamics.j_limit, hard.j_limit)
+        if (deceleration < hardest).any() or (jerk < harder_jerk).any():
+            asked = self._box(part, kind.axes, deceleration, jerk)
+            a, j = np.minimum(a, asked.a_limit), np.minimum(j, asked.j_limit)
+        return np.minimum(a, kind.path.deceleration), np.minimum(j, kind.path.jerk)
+
+    def _box(self, part: _Part, axes: AxisLimits, acceleration: Floats, jerk: Floats) -> Dynamics:
+        limits = replace(axes, acceleration=acceleration, deceleration=acceleration, jerk=jerk, braking_jerk=jerk)
+        return part.make(limits)[0]
 
     # ------------------------------------------------------------------ along the path
 

@@ -496,6 +496,8 @@ class QueueWriter:
         records["v_limit"][there] = dynamics.v_limit * share
         records["a_limit"][there] = dynamics.a_limit
         records["j_limit"][there] = dynamics.j_limit
+        if limited.hold is not None:
+            records["a_hold"][there], records["j_hold"][there] = limited.hold
         records["v_entry"][there] = dynamics.v_entry
         records["v_corner"][there] = dynamics.v_corner
         records["a_entry"][there] = dynamics.a_entry

@@ -243,6 +243,7 @@ class ChannelParameters(Model):
     err_outp_manual_mode_move: bool = False  # P-CHAN-00437
     # dynamics
     vector: VectorParameters = VectorParameters()
+    use_drive_curr_limit: bool = False  # P-CHAN-00097, feed hold has a ramp of its own
     dynamic_weighting_active: int = 0  # P-CHAN-00190, straight moves: 1 G00, 2 G01, 3 both
     dynamic_weighting: dict[int, PathWeight] = Field(default_factory=dict)
     curve_dynamic_weighting_active: bool = False  # P-CHAN-00230

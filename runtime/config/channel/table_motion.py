@@ -118,7 +118,7 @@ ROWS = (
     P(96, "feed_to_weakest_axis", "BOOLEAN", "", False, 3498,
       "1 = slowest axis is the feed axis; others follow", use=Use.USED),
     P(97, "use_drive_curr_limit", "BOOLEAN", "", False, 3510,
-      "1 = feedhold brakes with its own deceleration and ramp time"),
+      "1 = feedhold brakes with its own deceleration and ramp time", use=Use.USED),
     P(98, "spindle_m_fct_free", "BOOLEAN", "", False, 3521,
       "1 = M3/M4/M5/M19 become free technology functions defined in m_synch", use=Use.USED),
     P(100, "move_tool_offsets_directly", "BOOLEAN", "", False, 3532, "1 = D word moves axes to new tool offsets at once",

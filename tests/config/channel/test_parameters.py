@@ -69,7 +69,7 @@ MISTAKES = {
     "infinite": ("mittelpkt_diff: .inf", 302008, 10, 23, "finite"),
     "out of range": ("mittelpkt_diff: -1", 302010, 10, 23, "0 or more"),
     "index outside": ("g800_prog_file: {40: a}", 302010, 10, 24, "0 to 39"),
-    "not supported": ("use_drive_curr_limit: 1", 302024, 10, 29, "P-CHAN-00097"),
+    "not supported": ("log_number_tracking_axis: 1", 302024, 10, 33, "P-CHAN-00095"),
     "written twice": ("tool: {synch: MOS}\nwerkzeug: {synch: MOS}", 302026, 11, 18, "werkzeug.synch is given twice"),
     "feed unit": ("prog_start.feedrate_factor: 60", 302010, 10, 35, "0 or less or 0.1 or 100"),
     "no start function of the group": (
