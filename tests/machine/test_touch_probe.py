@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.cnc.axes.jobs import DRIVE_PROBES
+from runtime.cnc.axes.job_probe import DRIVE_PROBES
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.plc_logic.motion import MC_AbortTrigger, MC_MoveAbsolute, MC_TouchProbe
 from tests.machine.beside_channel import TABLE, Rig

@@ -12,7 +12,9 @@ import numpy.typing as npt
 from runtime.cnc.axes.axis_plan import Dynamics
 from runtime.cnc.axes.gear import MasterPlaces
 from runtime.cnc.axes.homing import AxisHoming, HomingDrive
-from runtime.cnc.axes.jobs import DRIVE_PROBES, AxisCycle, AxisJobs, Followed, spelt
+from runtime.cnc.axes.job_probe import DRIVE_PROBES
+from runtime.cnc.axes.job_values import AxisCycle, Followed, spelt
+from runtime.cnc.axes.jobs import AxisJobs
 from runtime.config.machine import Axis, AxisType, Machine
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Problem
@@ -127,7 +129,7 @@ class MachineJobs:
                     self._refuse_spindle(i)
                 continue
             state = (enabled[i], path_active and self._path[i], bool(faults[i]))
-            if not (waits or jobs.owned or jobs.probe_input or state != self._before[i]):
+            if not (waits or jobs.owned or jobs.probe.input or state != self._before[i]):
                 continue
             self._before[i] = state
             self._step_axis(i, jobs, state, bool(in_position[i]), commands)
@@ -174,23 +176,24 @@ class MachineJobs:
 
     def _step_probe(self, i: int, jobs: AxisJobs, actual: float) -> None:
         """An input of the image is seen once per cycle; a probe of the drive is latched by the drive itself."""
-        image, number = self._image, jobs.probe_input
+        image, number = self._image, jobs.probe.input
         if 0 < number < DRIVE_PROBES:
             bit = number - 1
             byte = int(image.digital_in[bit // 8]) if bit // 8 < len(image.digital_in) else 0
-            jobs.trigger(bool(byte >> bit % 8 & 1), actual)
+            if jobs.probe.edge(bool(byte >> bit % 8 & 1)):
+                jobs.latch(actual)
         if number < DRIVE_PROBES:
             if image.probe_function[i]:
                 image.probe_function[i], self._armed[i] = 0, False
             return
         second = number > DRIVE_PROBES
         status = int(image.probe_status[i]) >> (PROBE_2_SHIFT if second else 0)
-        stored, edge = (PROBE_HAS_RISEN, PROBE_RISING) if jobs.probe_rises else (PROBE_HAS_FALLEN, PROBE_FALLING)
+        stored, edge = (PROBE_HAS_RISEN, PROBE_RISING) if jobs.probe.rises else (PROBE_HAS_FALLEN, PROBE_FALLING)
         if not self._armed[i]:  # what an earlier order has latched must be gone
             self._armed[i] = not status & PROBE_IS_ON
             image.probe_function[i] = (PROBE_ON | edge) << (PROBE_2_SHIFT if second else 0) if self._armed[i] else 0
         elif status & stored:
-            jobs.latch(float(image.probe_position[i, 2 * second + (not jobs.probe_rises)]))
+            jobs.latch(float(image.probe_position[i, 2 * second + (not jobs.probe.rises)]))
             image.probe_function[i], self._armed[i] = 0, False
 
     def _tell(self, i: int, jobs: AxisJobs) -> None:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from runtime.cnc.axes.jobs import Followed, spelt
+from runtime.cnc.axes.job_values import Followed, spelt
 from runtime.cnc.blocks import AxisJob
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Place, Problem

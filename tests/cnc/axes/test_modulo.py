@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from runtime.cnc.axes.axis_plan import Dynamics
 from runtime.cnc.axes.gear import MasterPlaces
-from runtime.cnc.axes.jobs import AxisCycle, AxisJobs, Followed
+from runtime.cnc.axes.job_values import AxisCycle, Followed
+from runtime.cnc.axes.jobs import AxisJobs
 from runtime.cnc.axes.modulo import TURN, chosen_turn
 from runtime.hli.axis_jobs import Job
 from runtime.hli.layout import AxisFunction, Direction, JobState
