@@ -851,9 +851,9 @@ class AxisJob(c.Structure):
         ("function", c.c_uint16),  # AxisFunction
         ("buffer_mode", c.c_uint16),
         ("direction", c.c_uint16),
-        ("mode", c.c_uint16),  # gear: 0 command values, 128 actual values; probe: 1 falling, 2 rising edge
+        ("mode", c.c_uint16),  # gear: 0 command, 128 actual values, 256 phase as well; probe: 1 falling, 2 rising edge
         ("master", c.c_uint16),  # logical axis number; probe: number of the input, from 1
-        ("position", c.c_int64),  # 0.1 µm: position, distance or phase
+        ("position", c.c_int64),  # 0.1 µm: position, distance or phase, of a gear as well
         ("velocity", c.c_int64),  # 1 µm/s
         ("acceleration", c.c_double),  # mm/s² or degrees/s²
         ("deceleration", c.c_double),
@@ -888,6 +888,8 @@ class AxisJobUnit(c.Structure):
         ("error_id_r", c.c_uint32),  # why the axis is in ErrorStop, 0 it is not
         ("commands_taken_r", c.c_uint32),
         ("answers_r", JobAnswer * JOBS),
+        ("probe_recorded_r", c.c_bool),  # the last probe of the axis, of the PLC or of a program, has seen its edge
+        ("probe_position_r", c.c_int64),  # 0.1 µm: where the axis was
     ]
 
 

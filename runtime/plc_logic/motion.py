@@ -7,17 +7,57 @@ axis, then Done, CommandAborted (another job took the axis) or Error with ErrorI
 TRUE. An axis takes one job per PLC cycle: the second one waits for the next cycle, only MC_Stop overtakes.
 
 Positions mm or degrees, velocities per second; Acceleration, Deceleration and Jerk of 0 are those of the axis.
+
+Every block is the same: `_FUNCTION`, the inputs of the job that its call hands on (`_INPUTS`), perhaps an output of its own.
+Power, state and values of an axis are in `motion_reading`.
 """
 
 from __future__ import annotations
 
-from typing import Self
+from typing import ClassVar, Self
 
 from runtime.hli.axis_jobs import Job
-from runtime.hli.layout import AxisFunction, BufferMode, Direction, JobState, MotionState
+from runtime.hli.layout import AxisFunction, BufferMode, Direction, JobState
 from runtime.plc_logic.areas import AxisPort
+from runtime.plc_logic.motion_reading import (
+    MC_Power,
+    MC_ReadActualPosition,
+    MC_ReadActualVelocity,
+    MC_ReadAxisError,
+    MC_ReadCommandPosition,
+    MC_ReadStatus,
+    MC_SetOverride,
+)
+
+__all__ = [
+    "BufferMode",
+    "Direction",
+    "MC_AbortTrigger",
+    "MC_GearIn",
+    "MC_GearOut",
+    "MC_Halt",
+    "MC_Home",
+    "MC_MoveAbsolute",
+    "MC_MoveAdditive",
+    "MC_MoveRelative",
+    "MC_MoveSuperimposed",
+    "MC_MoveVelocity",
+    "MC_Phasing",
+    "MC_Power",
+    "MC_ReadActualPosition",
+    "MC_ReadActualVelocity",
+    "MC_ReadAxisError",
+    "MC_ReadCommandPosition",
+    "MC_ReadStatus",
+    "MC_Reset",
+    "MC_SetOverride",
+    "MC_Stop",
+    "MC_TouchProbe",
+]
 
 _ENDED = (JobState.DONE, JobState.ABORTED, JobState.ERROR)
+_DYNAMICS = ("acceleration", "deceleration", "jerk")
+_MOVE = ("position", "velocity", *_DYNAMICS)
 
 
 class _Execute:
@@ -34,33 +74,39 @@ class _Execute:
         "_execute",
         "_job",
         "_number",
+        "_reached",
+        "_recorded",
         "_shown",
     )
+    _FUNCTION: ClassVar[AxisFunction]
+    _INPUTS: ClassVar[tuple[str, ...]] = ()  # names of Job, in the order in which a call hands their values on
 
     def __init__(self) -> None:
-        self.Done = self.Busy = self.Active = self.CommandAborted = self.Error = False
-        self.ErrorID = 0
+        self._clear()
         self._execute = False
         self._axis: AxisPort | None = None
         self._job: Job | None = None  # under way
         self._number: int | None = None  # None: the slot was in use
+        self._reached = False  # the job goes on and has reached what it wants
+        self._recorded = 0.0  # position of the answer of a job that was done
+
+    def _clear(self) -> None:
+        self.Done = self.Busy = self.Active = self.CommandAborted = self.Error = False
+        self.ErrorID = 0
         self._shown = False  # an end was shown for one call
 
-    def _rises(self, execute: bool) -> bool:
-        """Whether a job is to be given in this call."""
+    def _order(self, axis: AxisPort, execute: bool, *inputs: float | int) -> Self:
+        """The whole call of a block: on a rising edge the job with these inputs, then what became of it."""
         rising = execute and not self._execute
         self._execute = bool(execute)
         if rising or (self._job is None and not execute and self._shown):
             self._clear()
-        return rising
-
-    def _clear(self) -> None:
-        self.Done = self.Busy = self.Active = self.CommandAborted = self.Error = self._shown = False
-        self.ErrorID = 0
-
-    def _begin(self, axis: AxisPort, job: Job) -> None:
-        self._axis, self._job, self._number = axis, job, None
-        self.Busy = True
+        if rising:
+            values = dict(zip(self._INPUTS, inputs, strict=True))
+            self._axis, self._job, self._number = axis, Job(self._FUNCTION, **values), None  # type: ignore[arg-type]
+            self.Busy = True
+        self._follow()
+        return self
 
     def _follow(self) -> None:
         """Give the job if it was not yet, and look what became of it."""
@@ -73,63 +119,27 @@ class _Execute:
             return
         answer = axis.jobs.answer(self._number)
         self.Active = answer.state in (JobState.ACTIVE, JobState.REACHED)
-        self._reached(answer.state is JobState.REACHED)
+        self._reached = answer.state is JobState.REACHED
         if answer.state in _ENDED:
             self.Busy = self.Active = False
             self.Done = answer.state is JobState.DONE
             self.CommandAborted = answer.state is JobState.ABORTED
             self.Error = answer.state is JobState.ERROR
             self.ErrorID = answer.error
-            self._ended(answer.position)
+            if self.Done:
+                self._recorded = answer.position
             self._job = None
 
-    def _reached(self, reached: bool) -> None:
-        """For blocks whose job goes on when it has reached what it wants."""
 
-    def _ended(self, position: float) -> None:
-        """For blocks that read something of the answer."""
+# --------------------------------------------------------------------------------------------- one axis
 
 
-class _Move(_Execute):
-    """A motion by Position or Distance."""
-
-    __slots__ = ()
-    _function = AxisFunction.MOVE_ABSOLUTE
-
-    def _call(
-        self,
-        Axis: AxisPort,
-        Execute: bool,
-        way: float,
-        Velocity: float,
-        Acceleration: float,
-        Deceleration: float,
-        Jerk: float,
-        BufferMode: BufferMode,
-        direction: Direction = Direction.SHORTEST,
-    ) -> Self:
-        if self._rises(Execute):
-            self._begin(
-                Axis,
-                Job(
-                    self._function,
-                    way,
-                    Velocity,
-                    Acceleration,
-                    Deceleration,
-                    Jerk,
-                    direction=direction,
-                    buffer_mode=BufferMode,
-                ),
-            )
-        self._follow()
-        return self
-
-
-class MC_MoveAbsolute(_Move):  # noqa: N801 - PLCopen's name
+class MC_MoveAbsolute(_Execute):  # noqa: N801 - PLCopen's name
     """To a position. Direction tells the way of a modulo axis."""
 
     __slots__ = ()
+    _FUNCTION = AxisFunction.MOVE_ABSOLUTE
+    _INPUTS = (*_MOVE, "direction", "buffer_mode")
 
     def __call__(
         self,
@@ -143,14 +153,15 @@ class MC_MoveAbsolute(_Move):  # noqa: N801 - PLCopen's name
         Direction: Direction = Direction.SHORTEST,
         BufferMode: BufferMode = BufferMode.ABORTING,
     ) -> Self:
-        return self._call(Axis, Execute, Position, Velocity, Acceleration, Deceleration, Jerk, BufferMode, Direction)
+        return self._order(Axis, Execute, Position, Velocity, Acceleration, Deceleration, Jerk, Direction, BufferMode)
 
 
-class MC_MoveRelative(_Move):  # noqa: N801
+class MC_MoveRelative(_Execute):  # noqa: N801
     """A way from where the axis is when the job begins."""
 
     __slots__ = ()
-    _function = AxisFunction.MOVE_RELATIVE
+    _FUNCTION = AxisFunction.MOVE_RELATIVE
+    _INPUTS = (*_MOVE, "buffer_mode")
 
     def __call__(
         self,
@@ -163,21 +174,22 @@ class MC_MoveRelative(_Move):  # noqa: N801
         Jerk: float = 0.0,
         BufferMode: BufferMode = BufferMode.ABORTING,
     ) -> Self:
-        return self._call(Axis, Execute, Distance, Velocity, Acceleration, Deceleration, Jerk, BufferMode)
+        return self._order(Axis, Execute, Distance, Velocity, Acceleration, Deceleration, Jerk, BufferMode)
 
 
 class MC_MoveAdditive(MC_MoveRelative):  # noqa: N801
     """A way from the target of the move under way; without one, as MC_MoveRelative."""
 
     __slots__ = ()
-    _function = AxisFunction.MOVE_ADDITIVE
+    _FUNCTION = AxisFunction.MOVE_ADDITIVE
 
 
-class MC_MoveSuperimposed(_Move):  # noqa: N801
+class MC_MoveSuperimposed(_Execute):  # noqa: N801
     """A way on top of the motion under way, which goes on."""
 
     __slots__ = ()
-    _function = AxisFunction.MOVE_SUPERIMPOSED
+    _FUNCTION = AxisFunction.MOVE_SUPERIMPOSED
+    _INPUTS = _MOVE
 
     def __call__(
         self,
@@ -189,18 +201,15 @@ class MC_MoveSuperimposed(_Move):  # noqa: N801
         Deceleration: float = 0.0,
         Jerk: float = 0.0,
     ) -> Self:
-        return self._call(Axis, Execute, Distance, VelocityDiff, Acceleration, Deceleration, Jerk, BufferMode.ABORTING)
+        return self._order(Axis, Execute, Distance, VelocityDiff, Acceleration, Deceleration, Jerk)
 
 
-class MC_MoveVelocity(_Move):  # noqa: N801
+class MC_MoveVelocity(_Execute):  # noqa: N801
     """Endless motion; InVelocity while it has its velocity. At a software limit it comes to rest with an error."""
 
-    __slots__ = ("InVelocity",)
-    _function = AxisFunction.MOVE_VELOCITY
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.InVelocity = False
+    __slots__ = ()
+    _FUNCTION = AxisFunction.MOVE_VELOCITY
+    _INPUTS = ("velocity", *_DYNAMICS, "direction", "buffer_mode")
 
     def __call__(
         self,
@@ -213,20 +222,19 @@ class MC_MoveVelocity(_Move):  # noqa: N801
         Direction: Direction = Direction.POSITIVE,
         BufferMode: BufferMode = BufferMode.ABORTING,
     ) -> Self:
-        self._call(Axis, Execute, 0.0, Velocity, Acceleration, Deceleration, Jerk, BufferMode, Direction)
-        if self._job is None:
-            self.InVelocity = False
-        return self
+        return self._order(Axis, Execute, Velocity, Acceleration, Deceleration, Jerk, Direction, BufferMode)
 
-    def _reached(self, reached: bool) -> None:
-        self.InVelocity = reached
+    @property
+    def InVelocity(self) -> bool:  # noqa: N802
+        return self._reached
 
 
 class MC_Halt(_Execute):  # noqa: N801
     """To rest; another job may take the axis meanwhile."""
 
     __slots__ = ()
-    _function = AxisFunction.HALT
+    _FUNCTION = AxisFunction.HALT
+    _INPUTS = (*_DYNAMICS, "buffer_mode")
 
     def __call__(
         self,
@@ -236,34 +244,20 @@ class MC_Halt(_Execute):  # noqa: N801
         Jerk: float = 0.0,
         BufferMode: BufferMode = BufferMode.ABORTING,
     ) -> Self:
-        if self._rises(Execute):
-            self._begin(
-                Axis,
-                Job(
-                    self._function,
-                    acceleration=Deceleration,
-                    deceleration=Deceleration,
-                    jerk=Jerk,
-                    buffer_mode=BufferMode,
-                ),
-            )
-        self._follow()
-        return self
+        return self._order(Axis, Execute, Deceleration, Deceleration, Jerk, BufferMode)
 
 
 class MC_Stop(_Execute):  # noqa: N801
     """To rest, and no other job is taken as long as Execute is TRUE (state Stopping)."""
 
     __slots__ = ()
+    _FUNCTION = AxisFunction.STOP
+    _INPUTS = _DYNAMICS
 
     def __call__(self, Axis: AxisPort, Execute: bool, Deceleration: float = 0.0, Jerk: float = 0.0) -> Self:
-        before = self._execute
-        if self._rises(Execute):
-            self._begin(Axis, Job(AxisFunction.STOP, acceleration=Deceleration, deceleration=Deceleration, jerk=Jerk))
-        if before is not self._execute:
-            Axis.jobs.hold_stop(self._execute)
-        self._follow()
-        return self
+        if self._execute is not bool(Execute):
+            Axis.jobs.hold_stop(bool(Execute))
+        return self._order(Axis, Execute, Deceleration, Deceleration, Jerk)
 
 
 class MC_Home(_Execute):  # noqa: N801
@@ -273,26 +267,22 @@ class MC_Home(_Execute):  # noqa: N801
     """
 
     __slots__ = ()
+    _FUNCTION = AxisFunction.HOME
 
     def __call__(self, Axis: AxisPort, Execute: bool) -> Self:
-        if self._rises(Execute):
-            self._begin(Axis, Job(AxisFunction.HOME))
-        self._follow()
-        return self
+        return self._order(Axis, Execute)
 
 
 class MC_Reset(_Execute):  # noqa: N801
     """Leaves ErrorStop. A fault of the drive is acknowledged by a reset of the machine, which ends a program too."""
 
     __slots__ = ()
+    _FUNCTION = AxisFunction.RESET
 
     def __call__(self, Axis: AxisPort, Execute: bool) -> Self:
-        if self._rises(Execute):
-            self._begin(Axis, Job(AxisFunction.RESET))
-            if Axis.error:
-                Axis.reset()
-        self._follow()
-        return self
+        if Execute and not self._execute and Axis.error:
+            Axis.reset()
+        return self._order(Axis, Execute)
 
 
 # --------------------------------------------------------------------------------------------- several axes
@@ -301,14 +291,13 @@ class MC_Reset(_Execute):  # noqa: N801
 class MC_GearIn(_Execute):  # noqa: N801
     """The slave follows the master's velocity times RatioNumerator / RatioDenominator; InGear when it does.
 
-    Mode 0 follows the master's commanded place, 128 its actual one.
+    Mode 0 follows the master's commanded place, 128 its actual one. With 256 beside it the slave also goes to where it is
+    ratio · place of the master + PhaseShift.
     """
 
-    __slots__ = ("InGear",)
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.InGear = False
+    __slots__ = ()
+    _FUNCTION = AxisFunction.GEAR_IN
+    _INPUTS = ("master", "numerator", "denominator", *_DYNAMICS, "mode", "buffer_mode", "position")
 
     def __call__(
         self,
@@ -322,48 +311,32 @@ class MC_GearIn(_Execute):  # noqa: N801
         Jerk: float = 0.0,
         Mode: int = 0,
         BufferMode: BufferMode = BufferMode.ABORTING,
+        PhaseShift: float = 0.0,
     ) -> Self:
-        if self._rises(Execute):
-            self._begin(
-                Slave,
-                Job(
-                    AxisFunction.GEAR_IN,
-                    acceleration=Acceleration,
-                    deceleration=Deceleration,
-                    jerk=Jerk,
-                    buffer_mode=BufferMode,
-                    mode=Mode,
-                    master=Master.number,
-                    numerator=RatioNumerator,
-                    denominator=RatioDenominator,
-                ),
-            )
-        self._follow()
-        if self._job is None:
-            self.InGear = False
-        return self
+        ratio = (Master.number, RatioNumerator, RatioDenominator)
+        return self._order(Slave, Execute, *ratio, Acceleration, Deceleration, Jerk, Mode, BufferMode, PhaseShift)
 
-    def _reached(self, reached: bool) -> None:
-        self.InGear = reached
+    @property
+    def InGear(self) -> bool:  # noqa: N802
+        return self._reached
 
 
 class MC_GearOut(_Execute):  # noqa: N801
     """The slave leaves its master and goes on with its velocity."""
 
     __slots__ = ()
+    _FUNCTION = AxisFunction.GEAR_OUT
 
     def __call__(self, Slave: AxisPort, Execute: bool) -> Self:
-        if self._rises(Execute):
-            self._begin(Slave, Job(AxisFunction.GEAR_OUT))
-        self._follow()
-        return self
+        return self._order(Slave, Execute)
 
 
-class MC_Phasing(_Move):  # noqa: N801
+class MC_Phasing(_Execute):  # noqa: N801
     """Shifts the slave against its master by PhaseShift."""
 
     __slots__ = ()
-    _function = AxisFunction.PHASING
+    _FUNCTION = AxisFunction.PHASING
+    _INPUTS = (*_MOVE, "master")
 
     def __call__(
         self,
@@ -376,7 +349,7 @@ class MC_Phasing(_Move):  # noqa: N801
         Deceleration: float = 0.0,
         Jerk: float = 0.0,
     ) -> Self:
-        return self._call(Slave, Execute, PhaseShift, Velocity, Acceleration, Deceleration, Jerk, BufferMode.ABORTING)
+        return self._order(Slave, Execute, PhaseShift, Velocity, Acceleration, Deceleration, Jerk, Master.number)
 
 
 # --------------------------------------------------------------------------------------------- probes
@@ -390,154 +363,23 @@ class MC_TouchProbe(_Execute):  # noqa: N801
     edge.
     """
 
-    __slots__ = ("RecordedPosition",)
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.RecordedPosition = 0.0
+    __slots__ = ()
+    _FUNCTION = AxisFunction.TOUCH_PROBE
+    _INPUTS = ("master", "mode")
 
     def __call__(self, Axis: AxisPort, Execute: bool, TriggerInput: int = 1, Mode: int = 2) -> Self:
-        if self._rises(Execute):
-            self._begin(Axis, Job(AxisFunction.TOUCH_PROBE, mode=Mode, master=TriggerInput))
-        self._follow()
-        return self
+        return self._order(Axis, Execute, TriggerInput, Mode)
 
-    def _ended(self, position: float) -> None:
-        if self.Done:
-            self.RecordedPosition = position
+    @property
+    def RecordedPosition(self) -> float:  # noqa: N802
+        return self._recorded
 
 
 class MC_AbortTrigger(_Execute):  # noqa: N801
     """A probe no longer waits."""
 
     __slots__ = ()
+    _FUNCTION = AxisFunction.ABORT_TRIGGER
 
     def __call__(self, Axis: AxisPort, Execute: bool) -> Self:
-        if self._rises(Execute):
-            self._begin(Axis, Job(AxisFunction.ABORT_TRIGGER))
-        self._follow()
-        return self
-
-
-# --------------------------------------------------------------------------------------------- power and state
-
-
-class MC_Power:  # noqa: N801
-    """Switches the drive on while Enable is TRUE; Status when it takes set-points."""
-
-    __slots__ = ("Error", "ErrorID", "Status")
-
-    def __init__(self) -> None:
-        self.Status = self.Error = False
-        self.ErrorID = 0
-
-    def __call__(self, Axis: AxisPort, Enable: bool) -> Self:
-        Axis.drive_on = Enable
-        self.Status = Axis.enabled
-        self.Error = Axis.error
-        self.ErrorID = Axis.error_id
-        return self
-
-
-class MC_ReadStatus:  # noqa: N801
-    """One output per state of the axis; Valid while Enable is TRUE."""
-
-    __slots__ = (
-        *("ContinuousMotion", "Disabled", "DiscreteMotion", "ErrorStop", "Homing"),
-        *("Standstill", "Stopping", "SynchronizedMotion", "Valid"),
-    )
-
-    def __init__(self) -> None:
-        self.Valid = False
-        self._show(None)
-
-    def __call__(self, Axis: AxisPort, Enable: bool = True) -> Self:
-        self.Valid = bool(Enable)
-        self._show(Axis.motion_state if Enable else None)
-        return self
-
-    def _show(self, state: MotionState | None) -> None:
-        self.Disabled = state is MotionState.DISABLED
-        self.Standstill = state is MotionState.STANDSTILL
-        self.Homing = state is MotionState.HOMING
-        self.Stopping = state is MotionState.STOPPING
-        self.DiscreteMotion = state is MotionState.DISCRETE_MOTION
-        self.ContinuousMotion = state is MotionState.CONTINUOUS_MOTION
-        self.SynchronizedMotion = state is MotionState.SYNCHRONIZED_MOTION
-        self.ErrorStop = state is MotionState.ERROR_STOP
-
-
-class _Read:
-    """A value of the axis while Enable is TRUE."""
-
-    __slots__ = ("Valid", "Value")
-
-    def __init__(self) -> None:
-        self.Valid = False
-        self.Value = 0.0
-
-    def __call__(self, Axis: AxisPort, Enable: bool = True) -> Self:
-        self.Valid = bool(Enable)
-        if Enable:
-            self.Value = self._read(Axis)
-        return self
-
-    def _read(self, axis: AxisPort) -> float:
-        raise NotImplementedError
-
-
-class MC_ReadActualPosition(_Read):  # noqa: N801
-    """Value is the actual position."""
-
-    __slots__ = ()
-
-    def _read(self, axis: AxisPort) -> float:
-        return axis.position
-
-
-class MC_ReadCommandPosition(_Read):  # noqa: N801
-    """Value is the set-point."""
-
-    __slots__ = ()
-
-    def _read(self, axis: AxisPort) -> float:
-        return axis.commanded_position
-
-
-class MC_ReadActualVelocity(_Read):  # noqa: N801
-    """Value is the actual velocity."""
-
-    __slots__ = ()
-
-    def _read(self, axis: AxisPort) -> float:
-        return axis.velocity
-
-
-class MC_ReadAxisError:  # noqa: N801
-    """AxisErrorID tells why the axis is in ErrorStop, 0 it is not."""
-
-    __slots__ = ("AxisErrorID", "Valid")
-
-    def __init__(self) -> None:
-        self.Valid = False
-        self.AxisErrorID = 0
-
-    def __call__(self, Axis: AxisPort, Enable: bool = True) -> Self:
-        self.Valid = bool(Enable)
-        self.AxisErrorID = Axis.error_id if Enable else 0
-        return self
-
-
-class MC_SetOverride:  # noqa: N801
-    """Override of the axis for its jobs: VelFactor 1.0 is 100 %."""
-
-    __slots__ = ("Enabled",)
-
-    def __init__(self) -> None:
-        self.Enabled = False
-
-    def __call__(self, Axis: AxisPort, Enable: bool, VelFactor: float = 1.0) -> Self:
-        if Enable:
-            Axis.override = 100.0 * VelFactor
-        self.Enabled = bool(Enable)
-        return self
+        return self._order(Axis, Execute)

@@ -22,6 +22,7 @@ from runtime.hli.external import external_area
 from runtime.hli.layout import Hli
 from runtime.hli.timers import Timers
 from runtime.hli.tools import Identity, RequestKind, ToolAnswered, ToolRequests
+from runtime.hli.units import LENGTH
 
 _RECEIVERS = tuple(Receiver)
 
@@ -48,6 +49,7 @@ class RunningMachine:
         self._head = hli.head
         self._skip_unit = hli.channels[0].control.program_block_ignore
         self._axes = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
+        self._jobs = [hli.axes[i].job for i in range(len(machine.axes))]
         self._timers = Timers(hli)
         self._tools = ToolRequests(hli.channels[0])
         self._external = external_area(hli)
@@ -169,6 +171,10 @@ class RunningMachine:
 
     def timer(self, command: TimerCommand, timer: int) -> int:
         return self._timers.act(command.value, timer)
+
+    def probed(self, axis: int) -> float | None:
+        unit = self._jobs[axis]
+        return unit.probe_position_r * LENGTH if unit.probe_recorded_r else None
 
     def latched(self, timer: int) -> int:
         return self._timers.latched(timer)

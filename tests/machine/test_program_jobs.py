@@ -214,6 +214,71 @@ def test_the_table_follows_an_axis_of_the_path(rig: Rig) -> None:
     rig.assert_smooth()
 
 
+@pytest.mark.spec("isg.plcopen.mc-gearin")
+def test_a_program_brings_the_table_into_phase_with_an_axis_of_the_path(rig: Rig) -> None:
+    rig.start(
+        "%T\nN10 G01 X10 F1200\nN20 B[MC_GearIn Master=X RN=1 RD=4 PhaseShift=300000 Mode=256 WaitSyn]\nN30 X60\nM30\n"
+    )
+    rig.until(lambda: waits(rig))
+    assert rig.place("X") == pytest.approx(10.0)
+    rig.until(lambda: rig.place("X") > 10.001)
+    assert rig.place("B") == pytest.approx(32.5, abs=0.01), "a quarter of 10, and 30 beside it"
+    finish(rig)
+    assert rig.place("B") == pytest.approx(45.0, abs=1e-4)
+    rig.assert_smooth()
+
+
+@pytest.mark.spec("isg.plcopen.mc-touchprobe")
+@pytest.mark.parametrize(("mode", "rises"), [("", True), ("Mode=2", True), ("Mode=1", False)])
+def test_a_program_probes_and_reads_the_position(rig: Rig, mode: str, rises: bool) -> None:
+    valve = {"on": not rises}  # input 1 of the demo machine is its clamp: it follows its valve by 0.3 s
+    rig.call("valve", lambda p: setattr(p.io, "clamp_valve", valve["on"]))
+    rig.run(0.5)
+    rig.start(
+        f"%T\nN10 P1=V.A.MERF.B\nN20 B[MC_TouchProbe Channel=1 {mode} Id=1]\nN30 P2=V.A.MERF.B\n"
+        "N40 B[MC_MoveVelocity Velocity=20000 Direction=1]\nN50 #WAIT MC_STATUS SYN [ID=1]\nN60 B[MC_Stop WaitSyn]\n"
+        "N70 P3=V.A.MERF.B P4=V.A.MEAS.ACS.VALUE.B\n"
+        "N80 G01 X=P1*8+P2*4+P3 Y=P4 F6000\nM30\n"
+    )
+    rig.until(lambda: rig.place("B") > 12.0)
+    assert active(rig)
+    unit = rig.hli.axes[rig.table].job
+    assert not unit.probe_recorded_r
+    valve["on"] = rises
+    rig.until(lambda: unit.probe_recorded_r)
+    place = rig.place("B")
+    finish(rig)
+    assert rig.place("X") == pytest.approx(1.0), "before the edge nothing was recorded"
+    assert rig.place("Y") == pytest.approx(unit.probe_position_r * 1e-4, abs=1e-4)
+    assert rig.place("Y") == pytest.approx(place, abs=0.1)
+
+
+def test_a_probe_that_the_drive_does_not_have_stops_the_program(rig: Rig) -> None:
+    rig.start("%T\nN10 B[MC_TouchProbe Channel=513 WaitSyn]\nN20 G01 X10 F600\nM30\n")
+    rig.until(lambda: not active(rig))
+    told = [problem.entry for problem in rig.simulation.problems]
+    assert told == [axis_jobs.JOB_NO_PROBE, axis_jobs.JOB_OF_PROGRAM]
+    assert rig.place("X") == 0.0
+
+
+@pytest.mark.spec("isg.plcopen.mc-touchprobe")
+@pytest.mark.parametrize("abort", ["reset", "abort"])
+def test_an_aborted_program_waits_for_no_edge_any_more(rig: Rig, abort: str) -> None:
+    rig.start("%T\nN10 B[MC_TouchProbe Channel=3 WaitSyn]\nM30\n")
+    rig.run(0.05)
+    jobs = rig.simulation.controller.jobs.axes[rig.table]
+    assert jobs is not None
+    assert jobs.probe.input == 3
+    if abort == "reset":
+        rig.simulation.controller.reset()
+    else:
+        rig.simulation.controller.channel.abort()
+    rig.until(lambda: not active(rig))
+    rig.run(0.05)
+    assert jobs.probe.input == 0
+    assert state(rig) is MotionState.STANDSTILL
+
+
 @pytest.mark.spec("isg.plcopen.mc-gearout")
 def test_behind_the_gear_the_axis_goes_on_and_an_abort_stops_it(rig: Rig) -> None:
     rig.start(

@@ -45,7 +45,15 @@ class Gear:
     """
 
     def __init__(
-        self, master: int, ratio: float, dynamics: Dynamics, place: float, *, actual: bool, phase: float | None = None
+        self,
+        master: int,
+        ratio: float,
+        dynamics: Dynamics,
+        place: float,
+        catch: SingleAxis,
+        *,
+        actual: bool,
+        phase: float | None = None,
     ) -> None:
         self.master = master  # index of the axis
         self.ratio = ratio
@@ -56,7 +64,7 @@ class Gear:
         self.begin: tuple[float, float] | None = None
         self.line = Motion(0.0)  # of the slave while it is locked, without the catch
         self.state = State(0.0, 0.0, 0.0)  # of the slave
-        self.catch = SingleAxis(dynamics, 1.0)
+        self.catch = catch
         self.wanted = math.nan  # velocity that was commanded last
         self.seen = 0  # cycles
         self._room = 0.0  # velocity that the catch may use
@@ -71,7 +79,6 @@ class Gear:
         state, can = self.state, self.dynamics
         self.begin = (line.p, place)
         self.line = Motion(line.p, line.v, line.a, line.v - line.a * period / 2.0)
-        self.catch = SingleAxis(can, period)
         self.catch.continue_from(State(0.0, state.v - line.v, state.a - line.a))
         self.catch.stop(self._share_of(can.velocity))
 

@@ -17,12 +17,11 @@ from dataclasses import replace
 from runtime.cnc.axes.axis_plan import Dynamics, Plan, State, plan_speed, proven
 from runtime.cnc.axes.gear import Gear, MasterPlaces, surely_stops
 from runtime.cnc.axes.job_values import ENDLESS, MOVES, dynamics_of
-from runtime.cnc.axes.modulo import chosen_turn
+from runtime.cnc.axes.modulo import TURN, chosen_turn
 from runtime.cnc.axes.single_axis import SingleAxis
 from runtime.hli.axis_jobs import Job
 from runtime.hli.layout import AxisFunction, BufferMode, Direction
 
-TURN = 360.0
 _ROUNDING = 1e-6
 _SEEN = 2  # cycles until velocity and acceleration of a master are known
 
@@ -39,6 +38,7 @@ class JobMotion:
         self.modulo = modulo
         self.base = SingleAxis(limits, period, least, greatest)
         self.extra = SingleAxis(limits, period)
+        self.catch = SingleAxis(limits, period)  # of a gear
         self.offset = 0.0
         self.gear: Gear | None = None
         self.stopping_plan = Plan()  # scratch

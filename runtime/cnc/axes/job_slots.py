@@ -30,6 +30,7 @@ from runtime.drives import (
 )
 from runtime.hli.axis_jobs import Answer, JobSlot
 from runtime.hli.layout import Hli, JobState, MotionState
+from runtime.hli.units import LENGTH
 
 Commands = Callable[[int], tuple[float, bool]]  # index of an axis -> override, hold
 
@@ -207,6 +208,9 @@ class MachineJobs:
         jobs.problems.clear()
         unit.motion_state_r = jobs.state
         unit.error_id_r = jobs.error
+        if jobs.recorded is not None:
+            unit.probe_position_r = round(jobs.recorded / LENGTH)
+        unit.probe_recorded_r = jobs.recorded is not None
 
     def _refuse_spindle(self, i: int) -> None:
         for followed in self._of_program[i]:  # the decoder lets none through
@@ -236,11 +240,12 @@ class MachineJobs:
                 self._tell(i, jobs)
 
     def reset(self) -> None:
-        """Jobs under way end; axes that rest leave ErrorStop."""
+        """Jobs under way end, probes wait no longer; axes that rest leave ErrorStop."""
         self.stop("reset")
         for i, jobs in enumerate(self.axes):
             if jobs is not None:
                 jobs.reset()
+                jobs.wait_for_edge(None)
                 self._tell(i, jobs)
 
     # ------------------------------------------------------------------ what the others want to know

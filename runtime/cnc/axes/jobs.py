@@ -76,6 +76,7 @@ class AxisJobs:
         self.following: Followed | None = None
         self._added: Followed | None = None  # superimposed
         self.probe = JobProbe(probes)
+        self.recorded: float | None = None  # by the last probe
         self.referenced = False  # homing has found the reference; taken by the caller
         self.shift = 0.0  # by which the coordinates of the axis shift in this cycle; taken by the caller
         self.owned = False  # jobs say where the axis goes
@@ -108,10 +109,10 @@ class AxisJobs:
         elif function is AxisFunction.HOME and self.absolute:
             self._tell(followed, JobState.DONE)
         elif function is AxisFunction.TOUCH_PROBE:
-            self._wait_for_edge(followed)
+            self.wait_for_edge(followed)
             self._tell(followed, JobState.ACTIVE)
         elif function is AxisFunction.ABORT_TRIGGER:
-            self._wait_for_edge(None)
+            self.wait_for_edge(None)
             self._tell(followed, JobState.DONE)
         elif function in SUPERIMPOSED:
             self.owned = True
@@ -235,11 +236,14 @@ class AxisJobs:
         """The probe has seen the edge that is waited for, where the axis was at `position`."""
         followed = self.probe.wait(None)
         if followed is not None:
+            self.recorded = position
             followed.answer = Answer(JobState.DONE, 0, position)
             self.changed.append(followed)
 
-    def _wait_for_edge(self, followed: Followed | None) -> None:
+    def wait_for_edge(self, followed: Followed | None) -> None:
+        """The probe waits for this job from now on, or for none."""
         before = self.probe.wait(followed)
+        self.recorded = None
         if before is not None:
             self._tell(before, JobState.ABORTED)
 
@@ -344,7 +348,7 @@ class AxisJobs:
         master, actual = masters.numbers[job.master], bool(job.mode & ACTUAL_VALUES)
         phase = job.position if job.mode & PHASE_COMPENSATION else None
         ratio = job.numerator / job.denominator
-        return Gear(master, ratio, dynamics, masters.of(master, actual), actual=actual, phase=phase)
+        return Gear(master, ratio, dynamics, masters.of(master, actual), self.motion.catch, actual=actual, phase=phase)
 
     def target(self, job: Job) -> float:
         """Where a motion leads, in coordinates of the axis."""

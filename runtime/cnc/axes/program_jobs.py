@@ -23,7 +23,7 @@ from runtime.hli.layout import AxisFunction, JobState
 
 _GOES_ON = (JobState.NONE, JobState.BUSY, JobState.ACTIVE, JobState.REACHED)
 _MOST_IDS = 256  # that lead to jobs which are not done
-_NO_MOTION = (AxisFunction.STOP, AxisFunction.HOME)
+_NO_MOTION = (AxisFunction.STOP, AxisFunction.HOME, AxisFunction.TOUCH_PROBE)
 
 
 class _Given:
@@ -112,15 +112,18 @@ class ProgramJobs:
         return [given for given in self._given if given.order.waits]
 
     def stop(self) -> None:
-        """The program is aborted: the axes that its jobs move come to rest."""
+        """The program is aborted: the axes that its jobs move come to rest, its probes wait no longer."""
         if not self._given and not self._coasting:
             return
-        moved = set(self._coasting)
+        moved, probed = set(self._coasting), set[int]()
         for given in self._given:
             followed = given.followed
+            if followed.job.function is AxisFunction.TOUCH_PROBE and followed.answer.state in _GOES_ON:
+                probed.add(given.order.axis)
             if followed.answer.state in _GOES_ON and followed.job.function not in _NO_MOTION:
                 moved.add(given.order.axis)
         self.drop()
+        self.ordered.extend((axis, Followed(Job(AxisFunction.ABORT_TRIGGER))) for axis in sorted(probed))
         self.ordered.extend((axis, Followed(Job(AxisFunction.STOP))) for axis in sorted(moved))
 
     def drop(self) -> None:

@@ -155,6 +155,6 @@ class JobCall:
             errors.JOB_INPUT, key, function=self._function, key=key.title(), value=value, range=allowed
         )
 
-    def unsupported(self, key: str, what: str, instead: str) -> LineError:
-        """Something that the job knows and this version does not."""
-        return self._call.error(errors.JOB_UNSUPPORTED, key, what=what, instead=instead)
+    def given(self, key: str) -> bool:
+        """The job has this input."""
+        return self._call.given(key)

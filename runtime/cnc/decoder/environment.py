@@ -157,10 +157,12 @@ class DecoderEnvironment:
         if variable is not None:
             return variable, None
         head, _, last = path.rpartition(".")
-        for what, names in (("<axis>", self._x.setup.axes), ("<spindle>", self._x.setup.spindle_names)):
+        setup = self._x.setup
+        beside = tuple(axis.name for axis in setup.other_axes)
+        for what, names in (("<axis>", setup.axes), ("<axis beside>", beside), ("<spindle>", setup.spindle_names)):
             if last in names and f"{head}.{what}" in VARIABLES:
                 return VARIABLES[f"{head}.{what}"], names.index(last)
-            if path.endswith("[]") and f"{path[:-2]}.{what}" in VARIABLES:
+            if path.endswith("[]") and what != "<axis beside>" and f"{path[:-2]}.{what}" in VARIABLES:
                 return VARIABLES[f"{path[:-2]}.{what}"], None
         shown = path.replace("[]", "[..]")
         purpose = purpose_of(path)
@@ -178,6 +180,8 @@ class DecoderEnvironment:
         count = 0
         if variable.path.endswith(".<axis>"):
             count = len(x.setup.axes)
+        elif variable.path.endswith(".<axis beside>"):
+            count = len(x.setup.other_axes)
         elif variable.path.endswith(".<spindle>"):
             count = len(x.setup.spindle_names)
         if not count:

@@ -64,6 +64,9 @@ class Outside(Protocol):
     def latched(self, timer: int) -> int:
         """The count in ms that the last READ on the path has found; holds as the positions do."""
 
+    def probed(self, axis: int) -> float | None:
+        """What MC_TouchProbe has recorded of an axis (index in the machine), None before its edge; holds as the positions do."""
+
     def cycle(self) -> int:
         """Number of the interpolator's cycle, counted from the start of the control."""
 
@@ -134,6 +137,9 @@ class Offline:
 
     def timer(self, command: TimerCommand, timer: int) -> int:
         return 0
+
+    def probed(self, axis: int) -> float | None:
+        return None
 
     def latched(self, timer: int) -> int:
         return 0

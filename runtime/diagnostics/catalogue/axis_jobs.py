@@ -109,7 +109,6 @@ JOB_NO_AXIS = ErrorEntry(
     308021, "{function}: the machine has no axis {axis}", remedy="axes that take jobs of this program: {known}"
 )
 JOB_FUNCTION = ErrorEntry(308022, "{function!r} is no job of an axis", remedy="known: {known}")
-JOB_UNSUPPORTED = ErrorEntry(308023, "{what} is not available in this version", remedy="{instead}")
 JOB_INPUT = ErrorEntry(
     308024,
     "{function}: {key} = {value:.9g} is not allowed, it is {range}",

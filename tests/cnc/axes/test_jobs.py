@@ -278,6 +278,44 @@ def test_a_gear_follows_its_master_and_lets_go_with_its_velocity() -> None:
     rig.assert_limits()
 
 
+@pytest.mark.parametrize("ratio", [0.5, -1.0])
+def test_an_axis_is_locked_to_a_master_that_gets_faster_without_leaving_its_jerk(ratio: float) -> None:
+    rig = Rig()
+    rig.master = lambda t: smoothly(t, 60.0)
+    rig.step(200)  # the master is in the middle of its acceleration
+    gear = rig.give(F.GEAR_IN, master=2, numerator=ratio)
+    rig.until(lambda: gear.answer.state is JobState.REACHED, 1.0)
+    here, master = rig.path[-1], rig.master(rig.time - PERIOD)
+    rig.step(500)
+    assert rig.path[-1] - here == pytest.approx(ratio * (rig.master(rig.time - PERIOD) - master), abs=1e-6)
+    rig.assert_limits()
+
+
+@pytest.mark.spec("isg.plcopen.mc-gearin")
+@pytest.mark.parametrize("shift", [0.0, -40.0])
+def test_automatic_phase_compensation_brings_the_slave_to_its_place(shift: float) -> None:
+    rig = Rig()
+    rig.master = lambda t: 5.0 + smoothly(t, 40.0)
+    rig.done(rig.give(F.MOVE_ABSOLUTE, position=12.0, velocity=80.0))
+    gear = rig.give(F.GEAR_IN, position=shift, master=2, numerator=2.0, mode=256)
+    rig.until(lambda: gear.answer.state is not JobState.ACTIVE, 5.0)
+    assert outcome(gear) is JobState.REACHED
+    rig.step(200)
+    assert rig.path[-1] == pytest.approx(2.0 * rig.master(rig.time - PERIOD) + shift, abs=1e-6)
+    assert rig.give(F.PHASING, position=3.0, velocity=10.0, acceleration=200.0).answer.error == 0
+    rig.assert_limits()
+
+
+def test_while_the_phase_is_brought_about_there_is_no_room_for_more() -> None:
+    rig = Rig()
+    gear = rig.give(F.GEAR_IN, position=100.0, master=2, mode=256)
+    rig.step(100)
+    assert outcome(gear) is JobState.ACTIVE
+    assert rig.give(F.PHASING, position=3.0, velocity=10.0).answer.error == 308012
+    rig.done(rig.give(F.HALT))
+    rig.assert_limits()
+
+
 @pytest.mark.parametrize(
     ("master", "says"),
     [
@@ -386,7 +424,14 @@ JOBS = st.one_of(
         buffer_mode=st.sampled_from(list(BufferMode)),
     ),
     st.builds(Job, st.sampled_from([F.HALT, F.STOP, F.RESET, F.GEAR_OUT]), acceleration=RATE, deceleration=RATE),
-    st.builds(Job, st.just(F.GEAR_IN), master=st.just(2), numerator=st.floats(-4.0, 4.0)),
+    st.builds(
+        Job,
+        st.just(F.GEAR_IN),
+        position=PLACE,
+        master=st.just(2),
+        numerator=st.floats(-4.0, 4.0),
+        mode=st.sampled_from([0, 256]),
+    ),
 )
 
 

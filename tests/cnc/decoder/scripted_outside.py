@@ -22,6 +22,7 @@ class Machine(Offline):
         self.rooms = 100
         self.commands: list[tuple[TimerCommand, int]] = []
         self.counts: dict[int, int] = {}
+        self.probes: dict[int, float] = {}  # by the index of the axis
         self.cycles = 4711
         self.warnings: list[UserError] = []
 
@@ -48,6 +49,9 @@ class Machine(Offline):
 
     def latched(self, timer: int) -> int:
         return self.counts.get(timer, 0) + 1000
+
+    def probed(self, axis: int) -> float | None:
+        return self.probes.get(axis)
 
     def cycle(self) -> int:
         """It goes on from one question to the next."""

@@ -213,7 +213,8 @@ Writer = Callable[..., None]  # (execution, value, *indices)
 
 @dataclass(slots=True)
 class Variable:
-    """A predefined variable: `path` with [] for an index and <axis> or <spindle> for a name at the end."""
+    """A predefined variable: `path` with [] for an index and <axis>, <axis beside> (outside of the channel) or
+    <spindle> for a name at the end."""
 
     path: str
     syntax: VariableSyntax
