@@ -12,19 +12,26 @@ class SearchOrders:
         self._unit = control.block_search
         self._operator = operator.block_search
 
-    def take(self, present: bool) -> SearchOrder | None:
-        """A program is started: the order that holds for it, None to start at the beginning."""
+    def take(self, present: bool, *, asked: bool) -> SearchOrder | None:
+        """A program is started: the order that holds for it, None to start at the beginning.
+
+        `asked`: the operator has asked for this start; what he has asked for another one, which the PLC kept, is dropped.
+        """
         unit, operator = self._unit, self._operator
         order = SearchOrder()
         if present and unit.enable_w:
             if operator.semaphor_rw:
                 unit.request_r = operator.data_w
             order = SearchOrder.from_buffer_copy(unit.command_w)
-        elif operator.semaphor_rw:
+        elif operator.semaphor_rw and asked:
             order = SearchOrder.from_buffer_copy(operator.data_w)
         operator.semaphor_rw = False
         unit.type_r = order.type
         return order if order.type else None
+
+    def start_refused(self) -> None:
+        """The start was refused before it came to a program: what was asked for it holds for no other one."""
+        self._operator.semaphor_rw = False
 
 
 class SearchPartner:

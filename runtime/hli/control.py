@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from runtime.diagnostics.errors import Problem
 from runtime.hli.block_search import SearchOrders
@@ -88,10 +88,11 @@ class OneShot:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """An order of the mode unit; `by_operator`: he waits for the answer."""
+    """An order of the mode unit; `by_operator`: he waits for the answer; `asked`: it is his, also where the PLC hands it on."""
 
     wish: Wish
     by_operator: bool
+    asked: bool = True
 
 
 class ModeOrders:
@@ -101,6 +102,7 @@ class ModeOrders:
         self._unit = unit
         self._operator = operator
         self._order: Order | None = None
+        self._handed_over: Wish | None = None  # to the PLC
 
     def take(self, present: bool) -> Order | None:
         """The next order, or None. Each order must be closed by `answer` before the next one is taken."""
@@ -111,11 +113,14 @@ class ModeOrders:
         if claimed and operator.order_semaphor_rw and not unit.request_semaphor_rw:
             unit.request_r = operator.order_w
             unit.request_semaphor_rw = True
+            self._handed_over = _wish(unit.request_r)
             self._tell_operator(None)
         if self._order is not None:
             return None
         if claimed and unit.command_semaphor_rw:
-            self._order = Order(_wish(unit.command_w), by_operator=False)
+            wish = _wish(unit.command_w)
+            self._order = Order(wish, by_operator=False, asked=_same(wish, self._handed_over))
+            self._handed_over = None
             unit.command_semaphor_rw = False
         elif unit.request_semaphor_rw and not claimed:  # the PLC has given the unit back with a request in it
             self._order = Order(_wish(unit.request_r), by_operator=False)
@@ -139,6 +144,11 @@ class ModeOrders:
 
 def _wish(order: ModeState) -> Wish:
     return Wish(order.to_mode, order.to_state, get_text(order, "parameter"), order.from_mode, order.from_state)
+
+
+def _same(order: Wish, asked: Wish | None) -> bool:
+    """The PLC hands on what the operator has asked for; where from it may have left out."""
+    return asked is not None and replace(order, from_mode=0, from_state=0) == replace(asked, from_mode=0, from_state=0)
 
 
 class Changes:

@@ -45,6 +45,7 @@ class Orders:
         self._hold = False  # by the mode unit
         self._program = ""  # loaded
         self._wish: Wish | None = None
+        self._asked = True  # by the operator
 
     def sample(self, time: float) -> None:
         """Start of the cycle at `time` (s): read every control unit; `drives_on` (n_axes,) tells which drives shall be on."""
@@ -139,7 +140,7 @@ class Orders:
 
     def take_search(self) -> SearchOrder | None:
         """A program is started: where it is to be entered, None at its beginning."""
-        return self._channel_commands.search.take(self._channel.plc_present_w)
+        return self._channel_commands.search.take(self._channel.plc_present_w, asked=self._asked)
 
     def take_reset(self) -> bool:
         """A reset is ordered in this cycle, by the channel's unit, an axis' unit or the mode unit."""
@@ -179,12 +180,16 @@ class Orders:
             order = modes.take(self._channel.plc_present_w)
             if order is None:
                 return None
-            self._wish = order.wish
+            self._wish, self._asked = order.wish, order.asked
         for _ in range(4):  # the longest way has three steps
             step = next_step(self.mode, self.state, self._wish)
             if step is None:
+                if self._wish.to_state == State.ACTIVE:
+                    self._hold = False  # taken back while the path still brakes: the state has not changed
                 break
             if isinstance(step, Refusal):
+                if self._wish.to_state == State.ACTIVE:
+                    self._channel_commands.search.start_refused()
                 self._wish = None
                 modes.answer(step.problem)
                 return step.problem

@@ -11,9 +11,10 @@ import pytest
 from runtime.cnc.search_target import SearchKind
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import block_search as errors
+from runtime.diagnostics.catalogue import plc
 from runtime.diagnostics.errors import ErrorEntry
 from runtime.diagnostics.events import EventKind
-from runtime.hli.layout import Activation, KeyPress, ManualMode, SearchOrder, SearchState, State, StopCondition
+from runtime.hli.layout import Activation, KeyPress, ManualMode, Mode, SearchOrder, SearchState, State, StopCondition
 from runtime.scheduler.keeping import interruption_in, retained_of
 from runtime.scheduler.retained import RetainedStore
 from tests.machine.driven import Driven
@@ -353,6 +354,38 @@ def test_the_plc_may_order_it_and_the_operator_only_ask(driven: Driven) -> None:
     until(driven, SearchState.RETURNING)
     until(driven, SearchState.INACTIVE)
     assert place(driven) == [10.0, 50.0, -2.0]
+
+
+def test_a_search_belongs_to_one_start_also_where_that_is_refused(driven: Driven) -> None:
+    order = SearchOrder(type=int(SearchKind.BLOCK_NUMBER), value=80, automatic_return=True, no_hold=True)
+    driven.operator.block_search.data_w, driven.operator.block_search.semaphor_rw = order, True
+    driven.simulation.order(Mode.AUTOMATIC, State.ACTIVE, "")  # no program is loaded
+    driven.watch(2)
+    assert driven.operator.answer_r == plc.MODE_NO_PROGRAM.id
+    assert not driven.operator.block_search.semaphor_rw
+    driven.start(PART)
+    assert driven.channel.active
+    assert state(driven) is SearchState.INACTIVE, "the next program begins at its beginning"
+
+
+@pytest.mark.parametrize(("hands_on", "found"), [(True, SearchState.WAIT_FOR_RETURN), (False, SearchState.INACTIVE)])
+def test_a_search_goes_with_the_order_that_the_plc_hands_on(driven: Driven, hands_on: bool, found: SearchState) -> None:
+    unit = driven.hli.channels[0].control.mode_and_state
+    unit.enable_w = True
+    order = SearchOrder(type=int(SearchKind.BLOCK_NUMBER), value=80)
+    driven.operator.block_search.data_w, driven.operator.block_search.semaphor_rw = order, True
+    driven.start(PART)
+    assert unit.request_semaphor_rw
+    assert not driven.channel.active, "the PLC decides"
+    unit.request_semaphor_rw = False
+    unit.command_w = unit.request_r
+    if not hands_on:  # a program of its own
+        unit.command_w.parameter = str(driven.program(LOOP)).encode()
+    unit.command_semaphor_rw = True
+    driven.watch(2)
+    assert driven.channel.active
+    driven.watch(100)
+    assert state(driven) is found
 
 
 def test_the_program_knows_that_it_is_searched(driven: Driven) -> None:

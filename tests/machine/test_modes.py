@@ -123,6 +123,19 @@ def test_mdi_is_loaded_held_resumed_and_aborted(driven: Driven) -> None:
     driven.assert_no_jump()
 
 
+def test_a_hold_is_taken_back_while_the_path_still_brakes(driven: Driven) -> None:
+    """The state is ACTIVE until the path stands; the order to go on must not count as done because of that."""
+    driven.simulation.order(Mode.MDI, State.ACTIVE, "G90 G01 F6000 X60")
+    driven.watch(100)
+    driven.simulation.order(Mode.MDI, State.HOLD)
+    driven.watch(5)
+    assert driven.state() is State.ACTIVE
+    driven.simulation.order(Mode.MDI, State.ACTIVE)
+    driven.until_done()
+    assert place(driven) == 60.0
+    assert driven.errors == []
+
+
 def test_what_is_wrong_in_mdi_is_told_and_moves_nothing(driven: Driven) -> None:
     driven.simulation.order(Mode.MDI, State.ACTIVE, "G01 F6000 X10 Y[")
     driven.watch(20)
