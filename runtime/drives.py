@@ -104,7 +104,7 @@ class DriveImage:
     FEEDBACK: Final = (
         "actual_position", "actual_velocity", "actual_torque", "drive_lag", "state", "fault_code", "mode_shown",
         "by_drive", "target_reached", "limited", "drive_inputs", "homing_state", "probe_status", "probe_position", "digital_in",
-        "analogue_in",
+        "analogue_in", "analogue_valid",
     )  # fmt: skip
     """The arrays that the bus writes; `events` and the figures come beside them. Homing by the drive sets `origin` too."""
 
@@ -145,7 +145,10 @@ class DriveImage:
         self.probe_status: npt.NDArray[np.uint16] = np.zeros(n, dtype=np.uint16)  # object 0x60B9
         self.probe_position: Floats = np.zeros((n, 4))  # of the axis: probe 1 rising, falling, probe 2 rising, falling
         self.digital_in: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
-        self.analogue_in: Floats = np.zeros(ANALOGUE_VALUES)
+        self.analogue_in: Floats = np.zeros(ANALOGUE_VALUES)  # in the unit of the machine description
+        self.analogue_valid: Flags = np.zeros(
+            ANALOGUE_VALUES, dtype=np.bool_
+        )  # the node is there, and the value within its range
         self.events: deque[DriveEvent] = deque(maxlen=64)
         # figures for the metrics
         self.bus_load: float = 0.0  # share of the bus capacity, 0...1; of the busiest one

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from runtime.config.analogue import analogue_mistakes
 from runtime.config.channel.key import key_text
 from runtime.config.contradictions import Contradiction, Location
 from runtime.config.error_texts import ErrorTexts, ErrorTextsError
@@ -26,6 +27,7 @@ def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
     yield from _spindle_axes(machine)
     yield from _axis_groups(machine)
     yield from _short_watchdogs(machine)
+    yield from analogue_mistakes(machine, _digital_names(machine))
     yield from external_mistakes(machine.structures, machine.external_variables)
     yield from _unusable_texts(machine)
 
@@ -121,6 +123,11 @@ def _drives(machine: Machine) -> Iterator[Contradiction]:
                 location = ("axes", index, "drive", "inputs", bit)
                 yield Contradiction(errors.NOT_UNIQUE, location, {"what": "Input", "value": name})
             names.add(name)
+
+
+def _digital_names(machine: Machine) -> set[str]:
+    names = {name for io in machine.fieldbus.io for name in (*io.inputs, *io.outputs)}
+    return names | {name for axis in machine.axes if axis.drive for name in axis.drive.inputs.values()}
 
 
 def _against(index: int, key: Location, axis: str, what: str, reason: str) -> Contradiction:

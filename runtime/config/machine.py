@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
+from runtime.config.analogue import AnalogueInput, AnalogueOutput
 from runtime.config.channel.list_file import read_list
 from runtime.config.channel.parameters import ChannelParameters, ChannelSpindle, PathKind
 from runtime.config.channel.reading import read_parameters
@@ -213,6 +214,10 @@ class IoNode(Model):
     vendor_id: Identity | None = None
     inputs: Several[str] = ()
     outputs: Several[str] = ()
+    analogue_inputs: Several[AnalogueInput] = ()
+    analogue_outputs: Several[AnalogueOutput] = ()
+    analogue_every: int = Field(default=10, ge=1, le=240)  # cycles, between two values of an analogue input
+    left_adjusted: bool = False  # counts of 0x6426 and 0x6444 stand in the upper bits of their 32
     optional: bool = False  # the machine starts without it, and takes it in when it comes
     configuration: Configuration | None = None  # 0x1020: date and time, checked
     dcf: FileBeside | None = None  # DCF or concise DCF: what the device is set to before it starts

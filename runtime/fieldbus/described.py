@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import configparser
+from collections.abc import Iterator
+from dataclasses import replace
 from importlib import resources
 from typing import Final, TypedDict
 
@@ -13,6 +15,7 @@ from runtime.config.machine import Axis, AxisType, Drive, IoNode, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DIGITAL_BYTES, DriveMode
 from runtime.fieldbus import cia402, exchange
+from runtime.fieldbus.analogue import AnalogueValues
 from runtime.fieldbus.dialogue import GUARD_TIME, LIFE_TIME_FACTOR, PRODUCER_HEARTBEAT
 from runtime.fieldbus.dictionaries import read_dictionary
 from runtime.fieldbus.drive_link import NO_TORQUE_LIMIT, PER_MILLE, ExtendedDriveLink
@@ -20,7 +23,17 @@ from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.exchange import DriveNeeds
 from runtime.fieldbus.gantry import GantryEnd
 from runtime.fieldbus.links import DriveLink, IoLink, Links
-from runtime.fieldbus.pdo import VALUE_RANGES, ObjectKey, PdoLayout, PdoPlan, find_variable, lay_out, object_name
+from runtime.fieldbus.pdo import (
+    FREE_COB_IDS,
+    PREDEFINED,
+    VALUE_RANGES,
+    ObjectKey,
+    PdoLayout,
+    PdoPlan,
+    find_variable,
+    lay_out,
+    object_name,
+)
 
 DRIVE_EDS: Final = "tandem_cia402.eds"
 IO_EDS: Final = "tandem_cia401.eds"
@@ -40,20 +53,42 @@ def make_links(machine: Machine) -> Links:
     be made.
     """
     links: Links = []
+    cob_ids = CobIds()
     first_input = sum(len(io.inputs) for io in machine.fieldbus.io)
     for index, axis in enumerate(machine.axes):
         if axis.drive:
-            links += _drive_links(axis, index, axis.drive, machine.cycle.period, first_input)
+            links += _drive_links(axis, index, axis.drive, machine.cycle.period, first_input, cob_ids)
             first_input += len(axis.drive.inputs)
             _fits(first_input, axis.drive.node, "inputs with those of the nodes before it")
-    first_input = first_output = 0
+    first_input = first_output = first_value = first_put_out = 0
     for number, io in enumerate(machine.fieldbus.io):
-        links.append(_io_link(io, number, first_input, first_output))
+        values = AnalogueValues.of(io, first_value, first_put_out)
+        links.append(_io_link(io, number, first_input, first_output, values, machine.cycle.period, cob_ids))
+        first_value += len(io.analogue_inputs)
+        first_put_out += len(io.analogue_outputs)
         first_input += len(io.inputs)
         first_output += len(io.outputs)
         for bits, direction in ((first_input, "inputs"), (first_output, "outputs")):
             _fits(bits, io.node, f"{direction} with the nodes before it")
     return links
+
+
+class CobIds:
+    """Gives PDOs beyond the predefined ones a COB-ID that nobody else has on their bus."""
+
+    def __init__(self) -> None:
+        self._free: dict[str, Iterator[int]] = {}  # by the name of the bus
+
+    def given(self, plans: tuple[PdoPlan, ...], bus: str | None, node: int, owner: str) -> tuple[PdoPlan, ...]:
+        """The same PDOs. Raises FieldbusError if there is none left."""
+        free = self._free.setdefault(bus or "", iter(FREE_COB_IDS))
+        try:
+            return tuple(replace(plan, own_cob_id=next(free)) if plan.number > PREDEFINED else plan for plan in plans)
+        except (StopIteration, RuntimeError):
+            reason = (
+                f"the bus has no more than {len(FREE_COB_IDS)} identifiers for PDOs beyond the first four of a node"
+            )
+            raise FieldbusError(catalogue.TOO_MANY_PDOS, node=node, owner=owner, reason=reason) from None
 
 
 def _fits(bits: int, node: int, direction: str) -> None:
@@ -85,31 +120,36 @@ class _Common(TypedDict):
     stays: bool
 
 
-def _drive_links(axis: Axis, index: int, drive: Drive, period: float, first_input: int) -> list[DriveLink]:
+def _drive_links(
+    axis: Axis, index: int, drive: Drive, period: float, first_input: int, cob_ids: CobIds
+) -> list[DriveLink]:
     """The drive of an axis, or both of a gantry."""
     gantry = drive.gantry
     if gantry is None:
-        return [_drive_link(axis, index, drive, period, first_input)]
+        return [_drive_link(axis, index, drive, period, first_input, cob_ids)]
     first, second = GantryEnd.pair(gantry.difference, period, gantry.offset)
     scale = gantry.increments_per_unit or drive.increments_per_unit
     other = drive.model_copy(update={"node": gantry.node, "increments_per_unit": scale, "inputs": {}})
     return [
-        _drive_link(axis, index, drive, period, first_input, first),
-        _drive_link(axis, index, other, period, first_input, second),
+        _drive_link(axis, index, drive, period, first_input, cob_ids, first),
+        _drive_link(axis, index, other, period, first_input, cob_ids, second),
     ]
 
 
 def _drive_link(
-    axis: Axis, index: int, drive: Drive, period: float, first_input: int, end: GantryEnd | None = None
+    axis: Axis,
+    index: int,
+    drive: Drive,
+    period: float,
+    first_input: int,
+    cob_ids: CobIds,
+    end: GantryEnd | None = None,
 ) -> DriveLink:
     owner = f"axis {axis.name}"
     od = _dictionary(drive.eds, DRIVE_EDS, drive.node, owner)
     spindle = axis.type is AxisType.SPINDLE
     needs = _needs(axis, drive, spindle)
-    try:
-        plans = exchange.drive_pdos(needs)
-    except ValueError as error:
-        raise FieldbusError(catalogue.TOO_MANY_PDOS, node=drive.node, owner=owner, reason=error) from None
+    plans = cob_ids.given(exchange.drive_pdos(needs), drive.bus, drive.node, owner)
     common = _Common(
         node=drive.node,
         owner=owner,
@@ -169,7 +209,15 @@ def _longest_step(axis: Axis, drive: Drive, period: float) -> float:
     return (STEP_MARGIN * axis.velocity + correction) * period * drive.increments_per_unit + 2.0
 
 
-def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> IoLink:
+def _io_link(
+    io: IoNode,
+    number: int,
+    first_input: int,
+    first_output: int,
+    analogue: AnalogueValues,
+    period: float,
+    cob_ids: CobIds,
+) -> IoLink:
     owner = f"I/O node {number}"
     for names, direction in ((io.inputs, "inputs"), (io.outputs, "outputs")):
         if len(names) > MAX_IO_BITS:
@@ -177,6 +225,8 @@ def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> Io
                 catalogue.TOO_MANY_BITS, node=io.node, bits=len(names), direction=direction, limit=MAX_IO_BITS
             )
     od = _dictionary(io.eds, IO_EDS, io.node, owner)
+    plans = exchange.io_pdos(len(io.inputs), len(io.outputs), analogue.needs(io.analogue_every, period))
+    plans = cob_ids.given(plans, io.bus, io.node, owner)
     return IoLink(
         node=io.node,
         owner=owner,
@@ -185,7 +235,7 @@ def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> Io
         product_code=None,
         od=od,
         startup=[],
-        layouts=_layouts(exchange.io_pdos(len(io.inputs), len(io.outputs)), od, io.node, owner),
+        layouts=_layouts(plans, od, io.node, owner),
         optional=io.optional,
         configuration=io.configuration,
         guarded=_guarded(od, io.node, owner),
@@ -193,6 +243,7 @@ def _io_link(io: IoNode, number: int, first_input: int, first_output: int) -> Io
         inputs=len(io.inputs),
         first_output=first_output,
         outputs=len(io.outputs),
+        analogue=analogue,
     )
 
 

@@ -24,7 +24,7 @@ from runtime.fieldbus.drive_setup import drive_writes, needed_writes, parts
 from runtime.fieldbus.error_codes import abort_text
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink, IoLink
-from runtime.fieldbus.pdo import INVALID, NO_RTR, Direction, PdoPlan, find_variable, object_name
+from runtime.fieldbus.pdo import INVALID, LAST_PDO, NO_RTR, PREDEFINED, Direction, PdoPlan, find_variable, object_name
 
 DEVICE_TYPE: Final = 0x1000
 SYNC_COB_ID: Final = 0x1005
@@ -134,6 +134,12 @@ class NodeDialogues:
                 yield Access(index, 0, value)
         if isinstance(link, DriveLink):
             yield from self._configure_drive(link)
+        else:
+            for index, subindex, value in link.analogue.set_up():
+                yield Access(index, subindex, value)
+            for index, subindex, value in link.analogue.set_up_if_there():
+                if has(link, index, subindex):
+                    yield Access(index, subindex, value)
         for index, subindex, value in link.startup:
             yield Access(index, subindex, value)
         yield from _pdo_writes(link)
@@ -179,7 +185,11 @@ class NodeDialogues:
             position = yield Access(cia402.POSITION_ACTUAL)
             statusword = yield Access(cia402.STATUSWORD)
             link.begin(statusword, position, self._image)
-        elif link.inputs:
+            return
+        for one in link.analogue.inputs:
+            one.counts = yield Access(*one.key)
+            link.analogue.changed = True
+        if link.inputs:
             data = bytearray()
             for group in range((link.inputs + 7) // 8):
                 data.append((yield Access(exchange.READ_INPUTS, group + 1)))
@@ -207,20 +217,25 @@ def _number(link: DriveLink | IoLink, entry: Entry) -> int:
     return decoded(link, Access(entry.index, entry.subindex), entry.data)
 
 
-def _pdo_writes(link: DriveLink | IoLink) -> Iterator[Access]:
+def _pdo_writes(link: DriveLink | IoLink) -> Dialogue:
     """The order is that of CiA 301: switch off, empty, map, switch on; PDOs that nobody uses stay off."""
     used = {plan.communication_index: plan for plan in link.layouts}
     for direction in Direction:
-        for number in range(1, 5):
+        for number in range(1, LAST_PDO + 1):
             plan = PdoPlan(direction, number, ())
             index = plan.communication_index
             if index not in link.od:
+                continue
+            plan = used.get(index, plan)
+            if number > PREDEFINED and index not in used:  # what it has for a COB-ID is the device's own
+                found = yield Access(index, 1)
+                if not found & INVALID:
+                    yield Access(index, 1, found | INVALID)
                 continue
             cob_id = plan.cob_id(link.node) | (NO_RTR if direction is Direction.TRANSMIT else 0)
             yield Access(index, 1, cob_id | INVALID)
             if index not in used:
                 continue
-            plan = used[index]
             yield Access(plan.mapping_index, 0, 0)
             entries = link.layouts[plan].mapping_entries(link.od)
             for sub, entry in enumerate(entries, 1):
@@ -229,6 +244,8 @@ def _pdo_writes(link: DriveLink | IoLink) -> Iterator[Access]:
             yield Access(index, 2, plan.transmission)
             if plan.event_timer_ms and has(link, index, 5):
                 yield Access(index, 5, plan.event_timer_ms)
+            if plan.inhibit_time and has(link, index, 3):
+                yield Access(index, 3, plan.inhibit_time)
             yield Access(index, 1, cob_id)
 
 

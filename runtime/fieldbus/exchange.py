@@ -17,6 +17,8 @@ from runtime.fieldbus.pdo import EVENT, MAX_BITS, Direction, ObjectKey, PdoPlan
 
 READ_INPUTS: Final = 0x6000  # CiA 401, bytes
 WRITE_OUTPUTS: Final = 0x6200
+READ_ANALOGUE: Final = {8: 0x6400, 16: 0x6401, 32: 0x6402}  # by their bits
+WRITE_ANALOGUE: Final = {8: 0x6410, 16: 0x6411, 32: 0x6412}
 
 # struct codes of the exchanged objects, as the profiles prescribe; an EDS that says otherwise is refused
 CODES: Final = {
@@ -44,10 +46,15 @@ CODES: Final = {
     cia402.TARGET_VELOCITY: "i",
     READ_INPUTS: "B",
     WRITE_OUTPUTS: "B",
+    0x6400: "b",
+    0x6401: "h",
+    0x6402: "i",
+    0x6410: "b",
+    0x6411: "h",
+    0x6412: "i",
 }
 IO_PROFILE: Final = 401
 IO_REFRESH: Final = 0.1  # s; inputs and outputs are sent when they change, and this often anyhow
-MAX_PDOS: Final = 4  # of one direction: those that the predefined connection set knows
 DISPLAY_POSITION: Final = PdoPlan(
     Direction.TRANSMIT, 2, ((cia402.POSITION_ACTUAL, 0),), transmission=10
 )  # of a spindle
@@ -88,7 +95,7 @@ def plain_mode(spindle: bool) -> DriveMode:
 
 
 def drive_pdos(needs: DriveNeeds) -> tuple[PdoPlan, ...]:
-    """The PDOs of a drive. Raises ValueError if they are more than there can be."""
+    """The PDOs of a drive. Those beyond the predefined ones get their COB-ID later."""
     data = needs.process_data
     orders: list[ObjectKey] = [(cia402.CONTROLWORD, 0), SET_POINT_OBJECTS[needs.mode]]
     tells: list[ObjectKey] = [
@@ -122,10 +129,6 @@ def drive_pdos(needs: DriveNeeds) -> tuple[PdoPlan, ...]:
         PdoPlan(Direction.TRANSMIT, number, objects, EVENT, event_timer_ms=int(IO_REFRESH * 1000))
         for number, objects in enumerate(seldom, used + 1)
     ]
-    for direction, name in ((Direction.RECEIVE, "RPDOs"), (Direction.TRANSMIT, "TPDOs")):
-        count = sum(plan.direction is direction for plan in plans)
-        if count > MAX_PDOS:
-            raise ValueError(f"{count} {name} are needed, a node has {MAX_PDOS}")
     return tuple(plans)
 
 
@@ -145,8 +148,32 @@ def _bytes(objects: list[ObjectKey]) -> int:
     return calcsize("<" + "".join(CODES[index] for index, _ in objects))
 
 
-def io_pdos(inputs: int, outputs: int) -> tuple[PdoPlan, ...]:
-    """The PDOs of an I/O node with so many input and output bits."""
+@dataclass(frozen=True, slots=True)
+class AnalogueNeeds:
+    """What an I/O node exchanges beside its bits. `every`: cycles; `period` of a cycle, s."""
+
+    inputs: tuple[ObjectKey, ...] = ()  # told every so many cycles
+    watched: tuple[ObjectKey, ...] = ()  # told when they change, and no more often than the others
+    outputs: tuple[ObjectKey, ...] = ()
+    every: int = 1
+    period: float = 0.001
+
+    def pdos(self, received: int, transmitted: int) -> list[PdoPlan]:
+        """The PDOs, behind so many others."""
+        outputs = [replace(plan, transmission=EVENT) for plan in _packed(Direction.RECEIVE, list(self.outputs))]
+        inputs = [replace(plan, transmission=self.every) for plan in _packed(Direction.TRANSMIT, list(self.inputs))]
+        inhibit = min(round(self.every * self.period * 1e4), 0xFFFF)
+        inputs += [
+            replace(plan, transmission=EVENT, event_timer_ms=int(IO_REFRESH * 1000), inhibit_time=inhibit)
+            for plan in _packed(Direction.TRANSMIT, list(self.watched))
+        ]
+        return [replace(plan, number=received + k) for k, plan in enumerate(outputs, 1)] + [
+            replace(plan, number=transmitted + k) for k, plan in enumerate(inputs, 1)
+        ]
+
+
+def io_pdos(inputs: int, outputs: int, analogue: AnalogueNeeds = AnalogueNeeds()) -> tuple[PdoPlan, ...]:
+    """The PDOs of an I/O node with so many input and output bits, and these analogue values."""
     plans = []
     if outputs:
         objects = tuple((WRITE_OUTPUTS, k + 1) for k in range((outputs + 7) // 8))
@@ -154,4 +181,4 @@ def io_pdos(inputs: int, outputs: int) -> tuple[PdoPlan, ...]:
     if inputs:
         objects = tuple((READ_INPUTS, k + 1) for k in range((inputs + 7) // 8))
         plans.append(PdoPlan(Direction.TRANSMIT, 1, objects, EVENT, event_timer_ms=int(IO_REFRESH * 1000)))
-    return tuple(plans)
+    return (*plans, *analogue.pdos(int(outputs > 0), int(inputs > 0)))

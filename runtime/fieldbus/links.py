@@ -15,6 +15,7 @@ import canopen
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DriveEvent, DriveImage, DriveMode, DriveState
 from runtime.fieldbus import cia402
+from runtime.fieldbus.analogue import AnalogueValues
 from runtime.fieldbus.cia402 import DriveControl
 from runtime.fieldbus.network import fill
 from runtime.fieldbus.pdo import (
@@ -238,7 +239,7 @@ class DriveLink(NodeLink):
 
 @dataclass(slots=True)
 class IoLink(NodeLink):
-    """A CiA 401 node: a run of the input bits and a run of the output bits of the image."""
+    """A CiA 401 node: a run of the input bits and a run of the output bits of the image, and analogue values."""
 
     first_input: int = 0
     inputs: int = 0  # bits
@@ -246,15 +247,21 @@ class IoLink(NodeLink):
     outputs: int = 0
     input_value: int = 0
     output_value: int = -1  # nothing sent yet
+    analogue: AnalogueValues = field(default_factory=AnalogueValues)
     message: can.Message | None = None
 
     def __post_init__(self) -> None:
-        if command := self.plan(Direction.RECEIVE):
+        if self.outputs and (command := self.plan(Direction.RECEIVE)):
             self.message = self._frame(command)
+        self.analogue.use(self.layouts, self._frame)
 
     def receivers(self) -> dict[int, Receiver]:
-        plan = self.plan(Direction.TRANSMIT)
-        return {plan.cob_id(self.node): self.receive_inputs} if plan else {}
+        table: dict[int, Receiver] = {}
+        for plan, layout in self.layouts.items():
+            if plan.direction is Direction.TRANSMIT:
+                digital = plan.number == 1 and self.inputs > 0
+                table[plan.cob_id(self.node)] = self.receive_inputs if digital else self.analogue.receiver(plan, layout)
+        return table
 
     def receive_inputs(self, data: bytes | bytearray) -> None:
         size = (self.inputs + 7) // 8

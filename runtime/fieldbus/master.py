@@ -116,7 +116,7 @@ class CanopenMaster:
         self._show(load=0.0, gone=False)
         guarded = [link.node for link in self._links if link.guarded]
         self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
-        self._io = IoExchange(self.image, self._links, self._send)
+        self._io = IoExchange(self.image, self._links, self._send, self.name)
         self._watch = NodeWatch(self.image, self._config, self.name, self._links, self._send_data, self._io.refresh)
         if not self._shares_image:
             forget(self.image)
@@ -165,9 +165,9 @@ class CanopenMaster:
             self._boot.launch()
         except BUS_ERRORS as error:
             raise self._gone_at_start(error) from error
-        self._io.publish()
         self._running = self._watch.running = True
         self._cycle_time = self._watch.now = self._drained_at = self._now()
+        self._io.publish(self._cycle_time)
         for link in self._links:
             if not link.booted:
                 self._watch.lose(link, catalogue.NODE_ABSENT.id)
@@ -277,7 +277,7 @@ class CanopenMaster:
         elif now - self._drained_at > self._config.heartbeat_timeout and not self._flood_told:
             self._flood_told = True
             self._tell(catalogue.BUS_FLOODED)
-        self._io.publish()
+        self._io.publish(self._cycle_time)
         self._measure_load()
 
     def write(self) -> None:
@@ -390,7 +390,7 @@ class CanopenMaster:
         if outage.gone:
             return
         self._watch.lose_all()
-        self._io.publish()
+        self._io.publish(self._cycle_time)
         self._show(load=0.0, gone=True)
         outage.begin(self._tell(entry, code), self._cycle_time)
         if outage.waits:
@@ -470,6 +470,10 @@ class CanopenMaster:
     def refresh_outputs(self) -> None:
         """The next outputs go out whether they changed or not."""
         self._io.refresh()
+
+    def switch_off_outputs(self) -> None:
+        """The outputs as they are without a machine that runs."""
+        self._io.switch_off()
 
     def pass_a_cycle(self) -> None:
         """Let a period go by, with the frames that come. Never raises."""

@@ -22,6 +22,10 @@ SYNCHRONOUS: Final = 1  # transmission types: with every SYNC,
 EVENT: Final = 255  # when something changes
 LAST_SYNCHRONOUS: Final = 240
 
+PREDEFINED: Final = 4  # PDOs of one direction that have a COB-ID in the predefined connection set of CiA 301
+LAST_PDO: Final = 512  # of one direction
+FREE_COB_IDS: Final = range(0x680, 0x6E0)  # that CiA 301 gives to nobody: for PDOs beyond the predefined ones
+
 STRUCT_CODES: Final[dict[int, str]] = {
     datatypes.INTEGER8: "b",
     datatypes.INTEGER16: "h",
@@ -51,13 +55,15 @@ class Direction(Enum):
 
 @dataclass(frozen=True, slots=True)
 class PdoPlan:
-    """One PDO of a node, numbered from 1, in the predefined connection set of CiA 301."""
+    """One PDO of a node, numbered from 1: in the predefined connection set of CiA 301, or with a COB-ID of its own."""
 
     direction: Direction
     number: int
     objects: tuple[ObjectKey, ...]
     transmission: int = SYNCHRONOUS
     event_timer_ms: int = 0
+    inhibit_time: int = 0  # in 100 µs: the shortest between two of them
+    own_cob_id: int | None = None  # beyond the predefined ones
 
     @property
     def communication_index(self) -> int:
@@ -68,6 +74,9 @@ class PdoPlan:
         return self.direction.value[1] + self.number - 1
 
     def cob_id(self, node: int) -> int:
+        if self.own_cob_id is not None:
+            return self.own_cob_id
+        assert self.number <= PREDEFINED
         return self.direction.value[2] + 0x100 * (self.number - 1) + node
 
 

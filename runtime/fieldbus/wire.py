@@ -57,6 +57,8 @@ def planned_traffic(links: Links, bus: Bus, period: float) -> Traffic:
             frames, bits = frames + 1.0 / bus.heartbeat, bits + length[0] / bus.heartbeat
         for plan, layout in link.layouts.items():
             every = plan.transmission * period if plan.transmission <= LAST_SYNCHRONOUS else IO_REFRESH
+            if plan.inhibit_time:  # at worst
+                every = plan.inhibit_time * 1e-4
             frames, bits = frames + 1.0 / every, bits + length[layout.codec.size] / every
     return Traffic(frames, bits)
 

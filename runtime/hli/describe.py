@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from runtime.config.external import ExternalLayout
 from runtime.config.machine import AxisType, Machine
+from runtime.hli.analogue import AnaloguePlaces, OutputPlace
 from runtime.hli.external import describe_external, directory_of
 from runtime.hli.layout import Hli
 from runtime.hli.memory import put_text
@@ -27,6 +28,8 @@ def describe_machine(hli: Hli, machine: Machine) -> None:
         area.axis_count_r = len(channel.axes)
         for i, name in enumerate(channel.axes):
             area.axis_index_r[i] = machine.axis_index(name)
+    for place in analogue_places(machine).outputs.values():
+        hli.image.analogue_out_w[place.place] = place.off
     describe_external(hli, directory_of(ExternalLayout.of(machine).elements))
 
 
@@ -39,3 +42,13 @@ def io_bits(machine: Machine) -> tuple[dict[str, int], dict[str, int]]:
     inputs += [name for axis in machine.axes if axis.drive for _, name in sorted(axis.drive.inputs.items())]
     outputs = [name for node in machine.fieldbus.io for name in node.outputs]
     return {name: bit for bit, name in enumerate(inputs)}, {name: bit for bit, name in enumerate(outputs)}
+
+
+def analogue_places(machine: Machine) -> AnaloguePlaces:
+    """Where the analogue values of a machine stand."""
+    inputs = [one.name for node in machine.fieldbus.io for one in node.analogue_inputs]
+    outputs = [one for node in machine.fieldbus.io for one in node.analogue_outputs]
+    return AnaloguePlaces(
+        {name: index for index, name in enumerate(inputs)},
+        {one.name: OutputPlace(index, *one.limits, one.value_off) for index, one in enumerate(outputs)},
+    )

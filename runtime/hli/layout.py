@@ -979,7 +979,8 @@ class ProcessImage(c.Structure):
     _fields_ = [
         ("digital_in_r", c.c_uint8 * IMAGE_BYTES),
         ("digital_out_w", c.c_uint8 * IMAGE_BYTES),
-        ("analogue_in_r", c.c_double * IMAGE_ANALOGUE),
+        ("analogue_in_r", c.c_double * IMAGE_ANALOGUE),  # in the units of the machine description
+        ("analogue_valid_r", c.c_uint32),  # bit n: input n is that of a node that is there, and within its range
         ("analogue_out_w", c.c_double * IMAGE_ANALOGUE),
     ]
 

@@ -11,7 +11,7 @@ from runtime.plc_logic.errors import PlcError, PlcFailure
 from runtime.plc_logic.function_blocks import CTD, CTU, CTUD, F_TRIG, R_TRIG, RS, SR, TOF, TON, TP
 from runtime.plc_logic.handlers import NcFunction, h_function, m_function, s_function, t_function
 from runtime.plc_logic.iec_time import TIME
-from runtime.plc_logic.image import Input, Io, Output
+from runtime.plc_logic.image import AnalogueInput, AnalogueOutput, Input, Io, Output
 from runtime.plc_logic.program import Program
 from runtime.plc_logic.retained_variables import retain
 from runtime.plc_logic.tasks import task
@@ -28,6 +28,8 @@ __all__ = [
     "TOF",
     "TON",
     "TP",
+    "AnalogueInput",
+    "AnalogueOutput",
     "AxisState",
     "Identity",
     "Input",

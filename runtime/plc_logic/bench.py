@@ -14,11 +14,13 @@ Time is virtual: `run(2.0)` runs 500 cycles of 4 ms at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Generic, TypeVar, cast
 
 from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.hli.alarms import Report, take_report
+from runtime.hli.analogue import AnaloguePlaces, OutputPlace
 from runtime.hli.control import AxisCommands, ChannelCommands
 from runtime.hli.external import ExternalEntry, describe_external
 from runtime.hli.layout import Channel
@@ -48,6 +50,8 @@ class Bench(Generic[P]):
         inputs: Sequence[str] = (),
         outputs: Sequence[str] = (),
         *,
+        analogue_inputs: Sequence[str] = (),
+        analogue_outputs: Mapping[str, tuple[float, float]] | None = None,
         axes: Sequence[str] = ("X", "Y", "Z"),
         spindles: Sequence[str] = ("S",),
         external: Sequence[ExternalEntry] = (),
@@ -57,12 +61,21 @@ class Bench(Generic[P]):
     ) -> None:
         """`plant` is called before every cycle: it may look at outputs and set inputs, as the real machine would.
 
-        `external`: the external variables of the machine. `journal`: that of the retained variables.
+        `analogue_outputs`: name → limits. `external`: the external variables of the machine. `journal`: that of the
+        retained variables.
         """
         self.memory = HliMemory.private()
         hli = self.hli = self.memory.hli
         self._inputs = {name: bit for bit, name in enumerate(inputs)}
         self._outputs = {name: bit for bit, name in enumerate(outputs)}
+        self._analogue = AnaloguePlaces(
+            {name: k for k, name in enumerate(analogue_inputs)},
+            {
+                name: OutputPlace(k, low, high, max(low, min(0.0, high)))
+                for k, (name, (low, high)) in enumerate((analogue_outputs or {}).items())
+            },
+        )
+        hli.image.analogue_valid_r = (1 << len(analogue_inputs)) - 1
         self._period_ns = round(cycle_time * 1e9)
         self._plant = plant
         self.time_ns = 0
@@ -83,7 +96,13 @@ class Bench(Generic[P]):
         self.reports: list[Report] = []  # what the program has reported, coming and going
         self.orders: list[Wish] = []  # orders of the mode unit that reached the CNC
         self.host = PlcHost(
-            program, self.memory, self._inputs, self._outputs, journal=journal, wall_ns=lambda: _EPOCH_NS + self.time_ns
+            program,
+            self.memory,
+            self._inputs,
+            self._outputs,
+            self._analogue,
+            journal=journal,
+            wall_ns=lambda: _EPOCH_NS + self.time_ns,
         )
         self.host.start(0)
         self._new: type[Program] | None = None
@@ -91,12 +110,27 @@ class Bench(Generic[P]):
 
     # ------------------------------------------------------------------ the machine
 
-    def set(self, **inputs: bool) -> None:
-        """Set inputs by name."""
+    def set(self, **inputs: float) -> None:
+        """Set inputs by name; an analogue one that is no number is not valid."""
         image = self.hli.image.digital_in_r
         for name, value in inputs.items():
+            if (place := self._analogue.inputs.get(name)) is not None:
+                self._set_value(place, value)
+                continue
             byte, bit = divmod(self._inputs[name], 8)
             image[byte] = image[byte] | 1 << bit if value else image[byte] & ~(1 << bit)
+
+    def _set_value(self, place: int, value: float) -> None:
+        image = self.hli.image
+        if math.isfinite(value):
+            image.analogue_in_r[place] = value
+            image.analogue_valid_r |= 1 << place
+        else:
+            image.analogue_valid_r &= ~(1 << place)
+
+    def output_value(self, name: str) -> float:
+        """An analogue output as it stands in the process image."""
+        return float(self.hli.image.analogue_out_w[self._analogue.outputs[name].place])
 
     def output(self, name: str) -> bool:
         """An output as it stands in the process image."""

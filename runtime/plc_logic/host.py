@@ -10,6 +10,7 @@ from typing import Any
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import Place
+from runtime.hli.analogue import AnaloguePlaces
 from runtime.hli.layout import Axis, Channel, Hli, ManualControl
 from runtime.hli.memory import HliMemory, get_text, put_text
 from runtime.hli.technology import Taken, TechnologyTaker
@@ -18,7 +19,7 @@ from runtime.plc_logic.cycle_time import cycle_at_ns
 from runtime.plc_logic.errors import PlcError, PlcFailure
 from runtime.plc_logic.external import external_of
 from runtime.plc_logic.handlers import NcFunction, nc_function
-from runtime.plc_logic.image import Io, io_of
+from runtime.plc_logic.image import NO_ANALOGUE, Io, io_of
 from runtime.plc_logic.loader import failure
 from runtime.plc_logic.online_change import TakenOver, start_of, take_over
 from runtime.plc_logic.program import ByName, Program
@@ -68,10 +69,10 @@ class _Running:
 class PlcHost:
     """Runs one program: `start`, then `cycle` once per PLC cycle, then `stop`; `replace` puts a new version in its place.
 
-    `inputs` and `outputs` give the image bit of every name; channels and axes are named in the HLI. `clock_ns`, if
-    given, measures how long a cycle takes. `watchdog_us` is the longest gap between two cycles that the CNC accepts.
-    `journal` makes the journal of retained variables, when a program has some; without it they live as long as the host.
-    `wall_ns` gives the time since 1970.
+    `inputs` and `outputs` give the image bit of every name, `analogue` the places of the others; channels and axes are
+    named in the HLI. `clock_ns`, if given, measures how long a cycle takes. `watchdog_us` is the longest gap between two
+    cycles that the CNC accepts. `journal` makes the journal of retained variables, when a program has some; without it
+    they live as long as the host. `wall_ns` gives the time since 1970.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class PlcHost:
         memory: HliMemory,
         inputs: Mapping[str, int],
         outputs: Mapping[str, int],
+        analogue: AnaloguePlaces = NO_ANALOGUE,
         *,
         watchdog_us: int = 50_000,
         clock_ns: Callable[[], int] | None = None,
@@ -95,7 +97,7 @@ class PlcHost:
         self._wall_ns = wall_ns
         self._open_journal = journal
         self._journal: RetainJournal | None = None
-        self._inputs, self._outputs = inputs, outputs
+        self._inputs, self._outputs, self._analogue = inputs, outputs, analogue
         self._last_ns: int | None = None
         self._start_ns = 0
         self._channels: list[Channel] = [hli.channels[i] for i in range(hli.head.channels_r)]
@@ -186,7 +188,7 @@ class PlcHost:
     def _made(self, program_type: type[Program]) -> _Running:
         """A program with everything bound, after its setup. The machine knows nothing of it yet."""
         program = program_type()
-        io = io_of(program_type, self._hli.image, self._inputs, self._outputs)
+        io = io_of(program_type, self._hli.image, self._inputs, self._outputs, self._analogue)
         if self._journal is None and self._open_journal is not None and declared(program_type):
             self._journal = self._open_journal()
         retained, problems = starting_values(program_type, self._journal.kept if self._journal else {})

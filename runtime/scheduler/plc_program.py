@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from runtime.config.machine import Machine
-from runtime.hli.describe import io_bits
+from runtime.hli.describe import analogue_places, io_bits
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.exchange import Loaded
@@ -45,6 +45,7 @@ def load_host(
         memory,
         inputs,
         outputs,
+        analogue_places(machine),
         watchdog_us=watchdog_us,
         clock_ns=clock_ns,
         journal=None if state is None else lambda: RetainJournal(state),

@@ -117,6 +117,8 @@ class Publisher:
         self._digital_out = np.frombuffer(hli.image.digital_out_w, dtype=np.uint8)
         self._analogue_in = np.frombuffer(hli.image.analogue_in_r)
         self._analogue_out = np.frombuffer(hli.image.analogue_out_w)
+        self._image_area = hli.image
+        self._valid_before = b""
         describe_machine(hli, machine)
         for axis, described in zip(hli.axes, machine.axes, strict=False):
             axis.status.drive_type_r = _CANOPEN if real else _SIMULATION
@@ -131,6 +133,10 @@ class Publisher:
         """Start of the cycle: the machine's inputs, for the PLC."""
         self._digital_in[:] = self._image.digital_in
         self._analogue_in[:] = self._image.analogue_in
+        valid = self._image.analogue_valid.tobytes()
+        if valid != self._valid_before:
+            self._valid_before = valid
+            self._image_area.analogue_valid_r = sum(1 << k for k, one in enumerate(valid) if one)
 
     def outputs(self) -> None:
         """The PLC's outputs, for the bus."""

@@ -27,7 +27,7 @@ from runtime.diagnostics.errors import Problem, Severity
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveImage, DriveSystem, IdealDrives
 from runtime.fieldbus.simulator.plant import SimulatedPlant
-from runtime.hli.describe import io_bits
+from runtime.hli.describe import analogue_places, io_bits
 from runtime.hli.layout import Mode, SearchOrder, State, StopCondition
 from runtime.hli.memory import HliMemory
 from runtime.scheduler.clock import VirtualClock
@@ -377,10 +377,16 @@ class PlantOnImage:
         self._plant = plant
         self._now = now
         self._inputs, self._outputs = io_bits(machine)
+        self._values = analogue_places(machine)
+        self._described = {one.name: one for node in machine.fieldbus.io for one in node.analogue_inputs}
 
     def step(self) -> None:
         """One cycle of the plant."""
         image = self._image
+        if self._described:
+            self._step_values()
+        for name, place in self._values.outputs.items():
+            self._plant.values_out[name] = float(image.analogue_out[place.place])
         outputs = {name: bool(image.digital_out[bit // 8] >> (bit % 8) & 1) for name, bit in self._outputs.items()}
         inputs = self._plant.step(self._now(), outputs)
         for name, bit in self._inputs.items():
@@ -389,3 +395,12 @@ class PlantOnImage:
                 image.digital_in[bit // 8] |= mask
             else:
                 image.digital_in[bit // 8] &= 0xFF ^ mask
+
+    def _step_values(self) -> None:
+        image = self._image
+        for name, place in self._values.inputs.items():
+            one = self._described[name]
+            low, high = one.bounds
+            value = max(low, min(high, self._plant.values.get(name, 0.0)))
+            image.analogue_in[place] = value
+            image.analogue_valid[place] = one.range is None or one.range[0] <= value <= one.range[1]

@@ -14,7 +14,7 @@ from runtime.diagnostics.events import Event, EventKind
 from runtime.fieldbus.simulator.drive import Fault
 from runtime.fieldbus.simulator.plant import DEMO_PLANT, Rule, SimulatedPlant
 from runtime.hli.alarms import alarm_lines
-from runtime.hli.describe import io_bits
+from runtime.hli.describe import analogue_places, io_bits
 from runtime.hli.layout import Mode, State, StopCondition
 from runtime.hli.memory import get_text
 from runtime.hli.operator import Operator
@@ -69,6 +69,7 @@ class MachineBench:
         self.plant = SimulatedPlant(tuple(plant))
         self._folder = folder or Path()
         self._inputs, self._outputs = io_bits(machine)
+        self._analogue = analogue_places(machine)
         self.simulation = Simulation(
             machine, ideal_axes=not simulated_drives, base=file.parent, plant=self.plant, samples=False
         )
@@ -158,6 +159,12 @@ class MachineBench:
             tuple(problem.text for problem in self.simulation.errors[problems:]),
         )
 
+    def set_value(self, name: str, value: float) -> None:
+        """What an analogue input measures from now on, in its unit. KeyError for an unknown name."""
+        if name not in self._analogue.inputs:
+            raise KeyError(f"{name} is no analogue input ({', '.join(self._analogue.inputs) or 'there are none'})")
+        self.plant.values[name] = value
+
     # ------------------------------------------------------------------ what goes wrong
 
     def inject_fault(self, where: str, what: bool | str) -> Callable[[], None]:
@@ -216,6 +223,14 @@ class MachineBench:
         """An output as the PLC has set it. KeyError for an unknown name."""
         byte, bit = divmod(self._outputs[name], 8)
         return bool(self.hli.image.digital_out_w[byte] >> bit & 1)
+
+    def value(self, name: str) -> float:
+        """An analogue input as the PLC sees it, or an analogue output as the device puts it out, in its unit. KeyError."""
+        if name in self._analogue.inputs:
+            return float(self.hli.image.analogue_in_r[self._analogue.inputs[name]])
+        if name not in self._analogue.outputs:
+            raise KeyError(f"{name} is no analogue input or output")
+        return self.plant.values_out.get(name, 0.0)
 
     def position(self, axis: str) -> float:
         """The set-point of an axis."""

@@ -11,8 +11,10 @@ from runtime import drives
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.drives import DriveMode, DriveState, HomingState
 from runtime.fieldbus import cia402
+from runtime.fieldbus.described import CobIds
 from runtime.fieldbus.drive_setup import Part
-from runtime.fieldbus.pdo import find_variable
+from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.pdo import Direction, PdoPlan, find_variable
 from runtime.fieldbus.simulator import Fault
 from tests.fieldbus.rig import Rig, demo_description
 
@@ -406,10 +408,46 @@ def test_the_probe_latches_the_place_of_the_edge_and_not_of_a_cycle() -> None:
         assert image.probe_status[X] == 0
 
 
-def test_more_process_data_than_a_node_has_pdos_is_refused() -> None:
-    probes = ["probe_1_rising", "probe_1_falling", "probe_2_rising", "probe_2_falling"]
-    with machine(process_data=probes) as rig, pytest.raises(Exception, match="5 TPDOs are needed, a node has 4"):
-        rig.master.start()
+ALL_PROBES = ["probe_1_falling", "probe_1_rising", "probe_2_rising", "probe_2_falling"]
+
+
+def test_more_process_data_than_the_predefined_pdos_carry() -> None:
+    """Beyond the fourth, a PDO gets an identifier that CiA 301 gives to nobody, another one in every node."""
+    description = demo_description()
+    description["axes"][X]["drive"] |= {"process_data": ALL_PROBES, "simulated": {"probe": 3.5}}
+    description["axes"][Y]["drive"] |= {"process_data": [*ALL_PROBES, "torque"], "modes": ["profile_velocity"]}
+    with Rig(description) as rig:
+        rig.enabled()
+        ids = [link.plan(Direction.TRANSMIT, 5).cob_id(link.node) for link in rig.master._drives[:2]]  # type: ignore[union-attr]
+        assert ids == [0x680, 0x681]
+        assert [rig.simulated.drives[node]._number(0x1804, 1) & 0x7FF for node in (1, 2)] == ids
+        rig.image.probe_function[X] = drives.PROBE_ON | drives.PROBE_RISING
+        follow(rig, 10.0, 300)
+        assert rig.image.probe_position[X, 0] == pytest.approx(3.5, abs=1e-4)
+        # the fifth comes too: that of probe 2, which is told here by hand
+        rig.simulated.drives[1].motion.probes[1].positions[1] = 4.25 * 10_000
+        rig.cycle(3)
+        assert rig.image.probe_position[X, 3] == pytest.approx(4.25, abs=1e-4)
+        assert rig.event_ids() == []
+
+
+def test_a_pdo_that_a_device_has_beyond_the_fourth_and_nobody_uses_is_switched_off() -> None:
+    with machine() as rig:
+        drive = rig.simulated.drives[1]
+        rig.idle()
+        drive.local.data_store.setdefault(0x1804, {})[1] = (0x333).to_bytes(4, "little")
+        boots = drive._boot
+        drive._boot = lambda: (boots(), drive.local.data_store.setdefault(0x1804, {}).update({1: b"\x33\x03\0\0"}))  # type: ignore[method-assign,assignment]
+        rig.started()
+        assert drive._number(0x1804, 1) == 0x8000_0333
+
+
+def test_there_are_no_more_identifiers_than_ninety_six() -> None:
+    given, plans = CobIds(), tuple(PdoPlan(Direction.TRANSMIT, number, ()) for number in range(1, 101))
+    assert given.given(plans, None, 1, "axis X")[99].cob_id(1) == 0x6DF
+    assert given.given(plans[:8], "second", 1, "axis X")[4].cob_id(1) == 0x680  # another bus
+    with pytest.raises(FieldbusError, match=r"303029.*no more than 96"):
+        given.given(plans[:5], None, 2, "axis Y")
 
 
 # -- units -----------------------------------------------------------------------------------------------------------

@@ -69,7 +69,7 @@ UNKNOWN_AXIS = ErrorEntry(
 )
 NOT_UNIQUE = ErrorEntry(
     302014,
-    "{what} {value!r} is given to more than one axis",
+    "{what} {value!r} is given more than once",
     remedy="Give every axis a name and a logical axis number of its own.",
 )
 UNKNOWN_CHOICE = ErrorEntry(
@@ -243,6 +243,11 @@ DRIVE_CANNOT = ErrorEntry(
     302050,
     "Axis {axis} cannot have {what}: {reason}",
     remedy="Leave one of both out.",
+)
+ANALOGUE_UNFIT = ErrorEntry(
+    302052,
+    "The analogue channel {name} cannot be so: {reason}",
+    remedy="counts are what the device tells at values; its manual has both",
 )
 ERROR_TEXTS = ErrorEntry(
     302090,

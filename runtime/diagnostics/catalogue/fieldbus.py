@@ -311,6 +311,13 @@ GANTRY_SKEWED = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="find what holds one end back; set the axis square, then acknowledge (reset)",
 )
+ANALOGUE_OUT_OF_RANGE = ErrorEntry(
+    303050,
+    "{owner} (node {node}): the analogue input {meaning}, outside of its range",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="look for a broken wire or a sensor that fails; the PLC program sees that the input is not valid",
+)
 UNITS_DIFFER = ErrorEntry(
     303017,
     "node {node} ({owner}) converts its increments otherwise than described: {object} is {actual}, expected is {expected}",
@@ -325,5 +332,5 @@ UNITS_NOT_WHOLE = ErrorEntry(
 TOO_MANY_PDOS = ErrorEntry(
     303029,
     "node {node} ({owner}) cannot exchange all that is asked for: {reason}",
-    remedy="shorten `process_data` and `modes` of the drive",
+    remedy="shorten `process_data` and `modes` of the drive, or the analogue values of the I/O node, or divide them among buses",
 )

@@ -227,6 +227,11 @@ PLC_INPUT_ASSIGNED = ErrorEntry(
     reaction=Reaction.STOP_ON_PATH,
     remedy="inputs are only read",
 )
+PLC_VALUE = ErrorEntry(
+    304037,
+    "the analogue output {name} cannot be {value}",
+    remedy="assign a finite number in the unit of the machine description",
+)
 PLC_NAME = ErrorEntry(
     304036,
     "the machine has no {kind} {name}; known: {known}",

@@ -6,6 +6,7 @@ lost heartbeats.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +20,7 @@ from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.pdo import (
     EVENT,
     INVALID,
+    LAST_PDO,
     LAST_SYNCHRONOUS,
     Direction,
     ObjectKey,
@@ -61,6 +63,8 @@ class Pdo:
     event_timer: float = 0.0  # s, 0: none
     syncs: int = 0  # since the last transmission
     due: float = 0.0
+    inhibit: float = 0.0  # s between two of them
+    sent_at: float = -math.inf
     received: tuple[int, ...] | None = None  # waits for the SYNC
     sent: bytes = b""
 
@@ -110,6 +114,10 @@ class SimulatedNode:
 
     def written(self, index: int, subindex: int, value: int) -> None:
         """A number was written by SDO."""
+
+    def changed(self, pdo: Pdo) -> bool:
+        """Whether a PDO that is sent when something changes has to be sent."""
+        return self._pack(pdo) != pdo.sent
 
     def connection_lost(self) -> None:
         """The master's heartbeat is lost, or NMT took the node out of operation."""
@@ -300,7 +308,7 @@ class SimulatedNode:
         self._transmit, self._receive = [], []
         od = self.local.object_dictionary
         for direction, pdos in ((Direction.RECEIVE, self._receive), (Direction.TRANSMIT, self._transmit)):
-            for number in range(1, 5):
+            for number in range(1, LAST_PDO + 1):
                 plan = PdoPlan(direction, number, ())
                 if plan.communication_index not in od:
                     continue
@@ -308,10 +316,12 @@ class SimulatedNode:
                 count = self._number(plan.mapping_index, 0)
                 if cob_id & INVALID or not count:
                     continue
-                timer = self._number(plan.communication_index, 5) / 1000.0 if direction is Direction.TRANSMIT else 0.0
+                transmits = direction is Direction.TRANSMIT
+                timer = self._number(plan.communication_index, 5) / 1000.0 if transmits else 0.0
+                inhibit = self._number(plan.communication_index, 3) / 1e4 if transmits else 0.0
                 transmission = self._number(plan.communication_index, 2)
                 layout = self._layout(plan.mapping_index, count)
-                pdos.append(Pdo(cob_id & 0x7FF, layout, transmission, timer, due=self.now + timer))
+                pdos.append(Pdo(cob_id & 0x7FF, layout, transmission, timer, due=self.now + timer, inhibit=inhibit))
         for pdo in self._receive:
             self.network.subscribe(pdo.cob_id, self._on_rpdo)
 
@@ -347,8 +357,10 @@ class SimulatedNode:
     def _send_events(self) -> None:
         for pdo in self._transmit:
             if pdo.transmission >= EVENT - 1:
+                if self.now - pdo.sent_at < pdo.inhibit - 1e-9:
+                    continue
                 timed_out = pdo.event_timer and self.now >= pdo.due
-                if timed_out or self._pack(pdo) != pdo.sent:
+                if timed_out or self.changed(pdo):
                     pdo.due = self.now + pdo.event_timer
                     self._send(pdo)
 
@@ -357,5 +369,7 @@ class SimulatedNode:
         return pdo.layout.codec.pack(*[values[key] for key in pdo.layout.objects])
 
     def _send(self, pdo: Pdo) -> None:
-        pdo.sent = self._pack(pdo)
+        if self.silent:
+            return
+        pdo.sent, pdo.sent_at = self._pack(pdo), self.now
         self.network.send_message(pdo.cob_id, pdo.sent)

@@ -15,6 +15,7 @@ from runtime.fieldbus.described import DRIVE_EDS, IO_EDS, eds_path
 from runtime.fieldbus.dialogue import SYNC
 from runtime.fieldbus.lss import TO_SLAVES
 from runtime.fieldbus.network import PolledNetwork
+from runtime.fieldbus.pdo import FREE_COB_IDS
 from runtime.fieldbus.simulator.drive import OVER_CURRENT, Fault, SimulatedDrive
 from runtime.fieldbus.simulator.encoder import EncoderFile
 from runtime.fieldbus.simulator.io import SimulatedIo
@@ -35,7 +36,7 @@ class NodeNetwork(PolledNetwork):
         self.silent: set[int] = set()
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
-        if can_id & 0x7F not in self.silent:
+        if can_id in FREE_COB_IDS or can_id & 0x7F not in self.silent:  # the node looks itself at those
             super().send_message(can_id, data, remote)
 
 
@@ -129,7 +130,7 @@ class SimulatedNodes:
         for io in machine.fieldbus.io:
             number, on = self._place(io.bus, io.node)
             eds = eds_path(None, IO_EDS)
-            self.ios[number] = SimulatedIo(io.node, eds, on.network, io.inputs, io.outputs)
+            self.ios[number] = SimulatedIo(io, eds, on.network)
             on.nodes[io.node] = self.ios[number]
         self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
 
@@ -186,6 +187,8 @@ class SimulatedNodes:
         inputs = self.plant.step(self._now, outputs)
         for io in self.ios.values():
             io.set_inputs(inputs)
+            self.plant.values_out |= io.output_values()
+            io.set_input_values(self.plant.values)
 
     def _bus_of(self, node: SimulatedNode) -> NodeNetwork:
         return next(bus.network for bus in self.buses.values() if bus.network is node.network)

@@ -70,6 +70,8 @@ class SimulatedPlant:
 
     def __init__(self, rules: tuple[Rule, ...] = DEMO_PLANT) -> None:
         self._rules = rules
+        self.values: dict[str, float] = {}  # analogue inputs, in their unit; 0 where nothing else is said
+        self.values_out: dict[str, float] = {}  # analogue outputs, as they have come
         self._slowest = max((_longest(rule) for rule in rules), default=0.0)  # s
         self._forced: dict[str, bool] = {}
         self._before: dict[str, bool] = {}
