@@ -121,7 +121,7 @@ class BootSequence:
             while True:
                 answer = 0
                 try:
-                    if access.value is None:
+                    if access.reads:
                         answer = decoded(link, access, client.upload(access.index, access.subindex))
                     else:
                         client.download(access.index, access.subindex, encoded(link, access))

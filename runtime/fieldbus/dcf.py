@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from canopen.objectdictionary import ObjectDictionaryError
+from canopen.objectdictionary import ObjectDictionaryError, datatypes
 
 from runtime.diagnostics.catalogue import commissioning as errors
 from runtime.fieldbus.dictionaries import read_dictionary
@@ -25,7 +25,15 @@ from runtime.fieldbus.pdo import STRUCT_CODES, object_name
 
 VERIFY_CONFIGURATION: Final = 0x1020
 LARGEST: Final = 1_000_000  # bytes of a concise DCF
-EXPEDITED: Final = 4  # bytes of a value that goes in one frame
+VALUES: Final = STRUCT_CODES.keys() | {
+    datatypes.BOOLEAN,
+    datatypes.REAL32,
+    datatypes.REAL64,
+    datatypes.VISIBLE_STRING,
+    datatypes.OCTET_STRING,
+    datatypes.UNICODE_STRING,
+}
+"""Types whose value can stand in a DCF; a domain is named there by a file."""
 
 # What the master tells every node itself (communication; process data in `_left_out`), and objects whose writing is an order or
 # a set-point, as they stand in a dump of a device that was in use: never downloaded.
@@ -67,13 +75,7 @@ def read_configuration(path: str, node: int) -> Configuration:
         entry.subindex: int.from_bytes(entry.data, "little") for entry in entries if entry.index == VERIFY_CONFIGURATION
     }
     stamp = (numbers[1], numbers[2]) if numbers.get(1) and 2 in numbers else None
-    wanted = tuple(entry for entry in entries if not _left_out(entry.index))
-    for entry in wanted:
-        if len(entry.data) > EXPEDITED:
-            name = object_name(entry.index, entry.subindex)
-            reason = f"it has {len(entry.data)} bytes, and up to {EXPEDITED} can be downloaded at the start"
-            raise FieldbusError(errors.DCF_VALUE, file=path, object=name, reason=reason)
-    return Configuration(wanted, stamp)
+    return Configuration(tuple(entry for entry in entries if not _left_out(entry.index)), stamp)
 
 
 def _left_out(index: int) -> bool:
@@ -90,12 +92,12 @@ def _from_dcf(path: str, node: int) -> Iterator[Entry]:
         raise _unreadable(path, str(error).replace("\n", " ") or type(error).__name__) from error
     for variable in variables(od):
         raw = getattr(variable, "value_raw", None)
-        if not raw or not variable.writable or variable.data_type not in STRUCT_CODES:
+        if not raw or not variable.writable or variable.data_type not in VALUES:
             if raw and variable.writable and not _left_out(variable.index):
-                raise _bad_value(path, variable.index, variable.subindex, "only whole numbers can be downloaded")
+                raise _bad_value(path, variable.index, variable.subindex, "a value of its type cannot stand in a DCF")
             continue
         if variable.value is None:  # the parser passes over what it does not understand
-            raise _bad_value(path, variable.index, variable.subindex, f"{raw!r} is no number of its type")
+            raise _bad_value(path, variable.index, variable.subindex, f"{raw!r} is no value of its type")
         try:
             data = bytes(variable.encode_raw(variable.value))
         except (struct.error, OverflowError, ValueError, ObjectDictionaryError):

@@ -24,7 +24,17 @@ from runtime.fieldbus.drive_setup import drive_writes, needed_writes, parts
 from runtime.fieldbus.error_codes import abort_text
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink, IoLink
-from runtime.fieldbus.pdo import INVALID, LAST_PDO, NO_RTR, PREDEFINED, Direction, PdoPlan, find_variable, object_name
+from runtime.fieldbus.pdo import (
+    INVALID,
+    LAST_PDO,
+    NO_RTR,
+    PREDEFINED,
+    STRUCT_CODES,
+    Direction,
+    PdoPlan,
+    find_variable,
+    object_name,
+)
 
 DEVICE_TYPE: Final = 0x1000
 SYNC_COB_ID: Final = 0x1005
@@ -47,11 +57,12 @@ TIME_CONSUMER: Final = 0x8000_0000
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """One SDO access: a read if `value` is None."""
+    """One SDO access: a write of the number `value`, or of `data` as they are; a read if there is neither."""
 
     index: int
     subindex: int = 0
     value: int | None = None
+    data: bytes | None = None
 
     @property
     def name(self) -> str:
@@ -59,7 +70,11 @@ class Access:
 
     @property
     def verb(self) -> str:
-        return "read" if self.value is None else "write"
+        return "read" if self.reads else "write"
+
+    @property
+    def reads(self) -> bool:
+        return self.value is None and self.data is None
 
 
 Dialogue = Generator[Access, int, None]
@@ -204,7 +219,7 @@ def _download(link: DriveLink | IoLink, download: Download) -> Dialogue:
         if found == stamp:
             return
     for entry in download.configuration.entries:
-        yield Access(entry.index, entry.subindex, _number(link, entry))
+        yield Access(entry.index, entry.subindex, data=_checked(link, entry))
     if stamp is not None:
         yield Access(VERIFY_CONFIGURATION, 1, stamp[0])
         yield Access(VERIFY_CONFIGURATION, 2, stamp[1])
@@ -212,9 +227,18 @@ def _download(link: DriveLink | IoLink, download: Download) -> Dialogue:
         yield Access(STORE_PARAMETERS, 1, SAVE)
 
 
-def _number(link: DriveLink | IoLink, entry: Entry) -> int:
-    """The value of an entry as the EDS of the node has its type. Raises FieldbusError."""
-    return decoded(link, Access(entry.index, entry.subindex), entry.data)
+def _checked(link: DriveLink | IoLink, entry: Entry) -> bytes:
+    """The value of an entry, which fits its type in the EDS of the node. Raises FieldbusError."""
+    access = Access(entry.index, entry.subindex)
+    try:
+        whole_number = find_variable(link.od, entry.index, entry.subindex).data_type in STRUCT_CODES
+    except KeyError:
+        raise refused(
+            catalogue.EDS_OBJECT_MISSING, link, object=access.name, purpose="its configuration file"
+        ) from None
+    if whole_number:
+        decoded(link, access, entry.data)
+    return entry.data
 
 
 def _pdo_writes(link: DriveLink | IoLink) -> Dialogue:
@@ -263,6 +287,8 @@ def has(link: DriveLink | IoLink, index: int, subindex: int = 0) -> bool:
 
 def encoded(link: DriveLink | IoLink, access: Access) -> bytes:
     """The data of a write. Raises FieldbusError for an object that the EDS does not have, or a value it cannot take."""
+    if access.data is not None:
+        return access.data
     assert access.value is not None
     try:
         data: bytes = find_variable(link.od, access.index, access.subindex).encode_raw(access.value)

@@ -12,6 +12,7 @@ from typing import Final
 
 import canopen
 from canopen.objectdictionary import ODVariable
+from canopen.objectdictionary.datatypes import DATA_TYPES, FLOAT_TYPES
 from canopen.sdo.exceptions import SdoAbortedError
 
 from runtime.fieldbus.dictionaries import read_dictionary
@@ -256,6 +257,8 @@ class SimulatedNode:
 
     def _on_write(self, index: int, subindex: int, od: ODVariable, data: bytes) -> None:
         """Called before the value is stored; raises SdoAbortedError to refuse it."""
+        if od.data_type in DATA_TYPES or od.data_type in FLOAT_TYPES:
+            return
         value = int(od.decode_raw(data))
         if od.min is not None and value < od.min:
             raise SdoAbortedError(0x06090032)
