@@ -28,7 +28,7 @@ from runtime.cnc.decoder import (
     look_through,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.path_preparation import LateSynchronisation, SoftwareLimits
+from runtime.cnc.path_preparation import LateSynchronisation, MicroJointSettings, SoftwareLimits
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.cnc.stages import prepared
 from runtime.cnc.tool_radius_comp import CompensationError
@@ -61,13 +61,14 @@ def command(
         setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
         axes = AxisLimits.of(machine.axes[machine.axis_index(name)] for name in machine.channels[0].axes)
         tools = copied_tools(machine, os.environ).all()
+        joints = MicroJointSettings.of(machine.channels[0].parameters)
     except TandemError as error:
         for problem in error.problems:
             typer.echo(problem.explained(), err=True)
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, limits, axes, dialect, tools)
+        problems, warnings = check(file, setup, limits, axes, dialect, tools, joints)
         for problem in (*problems, *warnings):
             typer.echo(explained(problem))
         failed |= bool(problems)
@@ -81,6 +82,7 @@ def check(
     axes: AxisLimits,
     dialect: str = "isg",
     tools: Iterable[Tool] = (),
+    joints: MicroJointSettings | None = None,
 ) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
     """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it.
 
@@ -103,7 +105,7 @@ def check(
         memory = ChannelMemory(setup, MemoryTools(tools))
         start = limits.nearest(np.zeros(len(setup.axes)))
         decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
-        for _ in prepared(decoder.blocks(), axes, limits, LateSynchronisation(), warnings):
+        for _ in prepared(decoder.blocks(), axes, limits, LateSynchronisation(), warnings, joints):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break

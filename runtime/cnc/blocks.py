@@ -58,6 +58,7 @@ BY_PATH = Synch.MEP_MOS | Synch.MEP_SVS  # put out a distance ahead of their pla
 BY_TIME = Synch.MET_MOS | Synch.MET_SVS  # a time ahead of it
 AHEAD = BY_PATH | BY_TIME
 LATE = Synch.MVS_SLM | Synch.MVS_SLP  # waited for in a later block
+MICRO_JOINTS = Synch.MOS | Synch.MOS_TS | Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS  # may be moved back on the path
 # what is waited for at the end of the block in which it was put out
 AT_BLOCK_END = Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS | Synch.MNE_SNS | Synch.MEP_SVS | Synch.MET_SVS
 
@@ -247,7 +248,8 @@ class TechnologyFunction:
     when the path waits. For S, `value` is the speed in rev/min and `number` the M function (3, 4, 5, 19) or 0 for a new
     speed only; `spindle` is the index of the spindle among the channel's spindles, else -1. `area` is the index of the axis
     on whose interface it is put out, among all axes of the machine, -1 for the interface of the channel. `lead` is how far
-    ahead of its place it is put out: mm for MEP, seconds for MET types. `duration`: seconds that it is expected to take.
+    ahead of its place it is put out: mm for MEP and for micro-joints, seconds for MET types. `duration`: seconds that it is
+    expected to take.
     For T `number` is the basic number of the tool; `sister` and `variant` are 0 for none.
 
     Of S: `angle` in degrees, where M19 stands; `sense` 3 or 4 the sense of its approach, or of a speed behind an M19 that M3
@@ -270,6 +272,19 @@ class TechnologyFunction:
     sense: int = 0
     override_off: bool = False
     plc_spindle: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class MicroJointFeed:
+    """#CHANNEL SET [M_PRE_OUTPUT]: of the next micro-joint, mm/min; `end_feed` where it begins, `feed` in it, None as programmed.
+
+    `without_limits`: #VECTOR LIMIT does not count in it. Taken by the stage of micro-joints; it does not reach the queue.
+    """
+
+    source: Source
+    end_feed: float | None = None
+    feed: float | None = None
+    without_limits: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -877,6 +892,7 @@ Block = (
     | Polyline
     | Polynomials
     | TechnologyFunction
+    | MicroJointFeed
     | Wait
     | ExactStop
     | Dwell

@@ -1,6 +1,7 @@
 """The stages between the decoder and the motion queue, in their order: what a check, a simulation and a machine do alike.
 
-decoder ─ late synchronisation ─ radius compensation ─ arcs in space ─ smoothing ─ corner deceleration ─ software limits ─▶
+decoder ─ late synchronisation ─ radius compensation ─ arcs in space ─ smoothing ─ corner deceleration ─ software limits
+        ─ micro-joints, if the channel has them ─▶
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.path_preparation import (
     CornerDecelerations,
     LateSynchronisation,
+    MicroJoints,
+    MicroJointSettings,
     SoftwareLimits,
     SpatialArcs,
     smooth,
@@ -26,6 +29,7 @@ def prepared(
     limits: SoftwareLimits,
     late: LateSynchronisation,
     warnings: list[Problem] | None = None,
+    joints: MicroJointSettings | None = None,
 ) -> Iterator[Block]:
     """The blocks of one program as they are to be driven; `late` lives as long as the channel.
 
@@ -33,4 +37,5 @@ def prepared(
     """
     compensated = ToolRadiusCompensation()(late(blocks))
     smoothed = smooth(SpatialArcs()(compensated), axes, warnings)
-    return limits(CornerDecelerations()(smoothed))
+    limited = limits(CornerDecelerations()(smoothed))
+    return limited if joints is None else MicroJoints(joints, warnings)(limited)

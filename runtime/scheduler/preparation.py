@@ -15,7 +15,14 @@ from runtime.cnc.blocks import Block, Floats
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
-from runtime.cnc.path_preparation import BlockSearchStage, LateSynchronisation, PumpState, QueueWriter, SoftwareLimits
+from runtime.cnc.path_preparation import (
+    BlockSearchStage,
+    LateSynchronisation,
+    MicroJointSettings,
+    PumpState,
+    QueueWriter,
+    SoftwareLimits,
+)
 from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.stages import prepared
@@ -132,7 +139,8 @@ class Preparation:
             self._fail(error)
             return
         limits = SoftwareLimits.of(self._machine, self._channel)
-        blocks = prepared(source, self._axis_limits, limits, self._late)
+        joints = MicroJointSettings.of(self._machine.channels[self._channel].parameters)
+        blocks = prepared(source, self._axis_limits, limits, self._late, joints=joints)
         if order.search is not None:
             begin = order.start if order.begin is None else order.begin
             search = BlockSearchStage(order.search, Path(order.program).name, begin, self._standing, self._ordered)

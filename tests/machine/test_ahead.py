@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from runtime.config.channel.parameters import Configuration, PathPreparationConfiguration
 from runtime.config.machine import Machine
 from runtime.diagnostics.events import Event, EventKind
 from runtime.hli.memory import HliMemory
@@ -241,3 +242,19 @@ def test_an_axis_gets_no_offset(demo: Machine, program: Write) -> None:
     unit = run.hli.axes[0].techno_unit_std_sync[0]
     assert (unit.number_r, unit.time_r, unit.fkt_ctrl_r) == (97, 0, M)
     assert unit.please_rw is False
+
+
+@pytest.mark.spec("cut.microjoint.pre-output", "chan.mh.microjoint", "cut.microjoint.enable")
+@pytest.mark.parametrize("synch", ["MOS_TS", "MVS_SVS"])
+def test_a_micro_joint_is_put_out_within_a_block_on_the_machine(demo: Machine, program: Write, synch: str) -> None:
+    configuration = Configuration(
+        path_preparation=PathPreparationConfiguration(function="FCT_DEFAULT|FCT_M_PRE_OUTPUT")
+    )
+    machine = machine_with(demo, {100: (synch, 250_000), 26: ("MOS", 0)}, configuration=configuration)
+    run = Run(machine, program("N10 G01 X40 F3000\nN20 M100 M26\nN30 X80\nM30"), {(M, 100): 0.1})
+    assert not run.alarms
+    out, on = run.out(100), run.out(26)
+    assert out.path_pos == pytest.approx(15.0, abs=0.06)
+    assert on.path_pos == pytest.approx(40.0, abs=0.06)
+    rests = [x for x in np.unique(np.round(run.x, 6)) if 0.5 < x < 79.5 and run.x.count(x) > 50]
+    assert rests == ([15.0] if synch == "MVS_SVS" else []), "MVS_SVS is waited for where it was put out"

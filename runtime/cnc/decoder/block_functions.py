@@ -5,7 +5,8 @@ from __future__ import annotations
 from runtime.cnc.blocks import (
     AHEAD,
     AT_BLOCK_END,
-    BY_PATH,
+    BY_TIME,
+    MICRO_JOINTS,
     Block,
     Source,
     StopKind,
@@ -49,7 +50,8 @@ class Functions:
         """Sort a function in by its synchronisation type."""
         kind = function.synch.kind
         (self.after if kind & _BEHIND else self.before).append(function)
-        self.waits |= kind
+        if not function.lead or kind & AHEAD:  # one that is moved back waits where it is put out
+            self.waits |= kind
         self.flush |= bool(function.synch & Synch.FAW_SYNCH)
 
     def leading(self) -> list[Block]:
@@ -103,11 +105,15 @@ def put_out(
     if synch.kind == Synch.NO_SYNCH:
         return
     ahead = (memory.m_ahead if m else memory.h_ahead).get(number, 0)
-    if ahead and not synch & AHEAD:
-        raise LineError(technology.MICRO_JOINT, column, letter=kind.name, number=number, synch=synch.kind.name)
     if area is None:
         area = (setup.m_area if m else setup.h_area).get(number, -1)
-    lead = ahead * (INTERNAL if synch & BY_PATH else MICROSECOND)
+    if ahead and not synch & AHEAD:
+        values: dict[str, object] = {"letter": kind.name, "number": number, "synch": synch.kind.name}
+        if not setup.micro_joints:
+            raise LineError(technology.MICRO_JOINT, column, **values)
+        if area >= 0 or not synch & MICRO_JOINTS:
+            raise LineError(technology.JOINT_BARRED, column, **values)
+    lead = ahead * (MICROSECOND if synch & BY_TIME else INTERNAL)
     duration = (setup.m_duration if m else setup.h_duration).get(number, 0.0)
     functions.add(TechnologyFunction(x.source, kind, number, value, synch, area=area, lead=lead, duration=duration))
 

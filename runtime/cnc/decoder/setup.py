@@ -164,6 +164,7 @@ class DecoderSetup:
     zero_offsets: Mapping[int, Floats] = field(default_factory=dict)
     m_synch: Mapping[int, Synch] = field(default_factory=dict)
     h_synch: Mapping[int, Synch] = field(default_factory=dict)
+    micro_joints: bool = False  # P-CHAN-00600 has FCT_M_PRE_OUTPUT
     m_ahead: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00070, 0.1 µm or µs
     h_ahead: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00107
     m_area: Mapping[int, int] = field(default_factory=dict)  # P-CHAN-00039: index among the axes of the machine
@@ -260,6 +261,7 @@ class DecoderSetup:
             zero_offsets=offsets,
             m_synch=_table(parameters.m_synch, "m_synch"),
             h_synch=_table(parameters.h_synch, "h_synch"),
+            micro_joints=parameters.configuration.path_preparation.has_micro_joints,
             m_ahead=parameters.m_pre_outp,
             h_ahead=parameters.h_pre_outp,
             m_area={n: machine.axis_index(name) for n, name in parameters.m_default_outp_ax_name.items() if name},

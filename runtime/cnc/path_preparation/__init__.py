@@ -4,6 +4,7 @@ from runtime.cnc.path_preparation.block_search import BlockSearchStage
 from runtime.cnc.path_preparation.corner_deceleration import CornerDecelerations
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
 from runtime.cnc.path_preparation.late_synchronisation import LateSynchronisation
+from runtime.cnc.path_preparation.micro_joints import MicroJoints, MicroJointSettings
 from runtime.cnc.path_preparation.queue_writer import PumpState, QueueWriter
 from runtime.cnc.path_preparation.smoothing import smooth
 from runtime.cnc.path_preparation.software_limits import SoftwareLimits
@@ -13,6 +14,8 @@ __all__ = [
     "BlockSearchStage",
     "CornerDecelerations",
     "LateSynchronisation",
+    "MicroJointSettings",
+    "MicroJoints",
     "PathError",
     "PumpState",
     "QueueWriter",

@@ -13,8 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from runtime.cnc.blocks import Arc, Block, BlockEnd, DynamicsChange, Floats, Line, Polyline, Source
+from runtime.cnc.blocks import Arc, Block, BlockEnd, DynamicsChange, Floats, Line, Polyline
 from runtime.cnc.dynamic_settings import USUAL, CornerDeceleration, Slope
+from runtime.cnc.path_preparation.motion_pieces import lines_of
 
 PIECES = 32  # the feed of a piece is off by at most 1/64 of the change
 
@@ -35,7 +36,7 @@ class CornerDecelerations:
             elif isinstance(block, Arc) and math.isfinite(block.feed):
                 yield from _arc(block, corner)
             elif isinstance(block, Polyline) and not block.one_block:
-                for line in _lines(block):
+                for line in lines_of(block):
                     yield from (line,) if line.rapid else _line(line, corner)
                     yield BlockEnd(line.source)
             else:
@@ -103,15 +104,3 @@ def _arc(arc: Arc, corner: CornerDeceleration) -> Iterator[Block]:
             angle=arc.angle * float(shares[i + 1] - shares[i]),
             end_feed=arc.end_feed if i == len(feeds) - 1 else None,
         )
-
-
-def _lines(run: Polyline) -> Iterator[Line]:
-    """A run as single moves."""
-    gain = 1.0 if run.pcs_gain is None else run.pcs_gain
-    for i, feed in enumerate(run.feeds.tolist()):
-        number = int(run.numbers[i])
-        source = Source(run.program, int(run.lines[i]), None if number < 0 else number)
-        end = run.points[i + 1]
-        programmed = (end - run.pcs_shift) / gain
-        plane = run.plane or (0, 1)
-        yield Line(source, run.points[i], end, feed, math.isinf(feed), programmed, plane, pcs_gain=run.pcs_gain)

@@ -1,4 +1,4 @@
-"""How long the elements of a motion are, as the queue writer will measure them, and what is left of one behind a place."""
+"""How long the elements of a motion are, as the queue writer will measure them, and what lies before and behind a place."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from runtime.cnc.blocks import Arc, Floats, Line, Polyline, Polynomials
 from runtime.cnc.geometry.polynomials import MAIN_AXES, MOST_PARTS, part_of, way_between
 from runtime.cnc.path_preparation.errors import PathError
-from runtime.cnc.path_preparation.motion_pieces import NO_LENGTH, moves, shortened
+from runtime.cnc.path_preparation.motion_pieces import NO_LENGTH, lines_of, moves, shortened
 from runtime.cnc.path_preparation.polynomial_dynamics import fit
 from runtime.cnc.path_preparation.queue_writer import path_length
 from runtime.diagnostics.catalogue.motion import POLYNOMIAL_GEOMETRY
@@ -74,6 +74,26 @@ def behind(motion: Motion, element: int, taken: float, length: float) -> Iterato
             yield rest
 
 
+def before(motion: Motion, element: int, taken: float, length: float) -> Iterator[Motion]:
+    """What is in front of that place. A piece of a move of a run is a line, as no NC block ends with it."""
+    if isinstance(motion, Polyline):
+        if element:
+            yield moves(motion, 0, element)
+        if taken > 0.0:
+            for line in lines_of(moves(motion, element, element + 1)):
+                rest = shortened(line, 0.0, length - taken, length)
+                if rest is not None:
+                    yield rest
+    elif isinstance(motion, Polynomials):
+        count = element + (taken > 0.0)
+        if count:
+            yield _polynomials_before(motion, count, taken, length)
+    else:
+        rest = shortened(motion, 0.0, length - taken, length)
+        if rest is not None:
+            yield rest
+
+
 def begin_of(motion: Motion) -> Floats:
     """Where a motion begins, (n_axes,)."""
     if isinstance(motion, Polyline):
@@ -95,6 +115,23 @@ def _polynomials_behind(run: Polynomials, element: int, taken: float, length: fl
         lines=run.lines[element:],
         numbers=run.numbers[element:],
         block_ends=run.block_ends[element:],
+    )
+
+
+def _polynomials_before(run: Polynomials, count: int, taken: float, length: float) -> Polynomials:
+    coefficients, ends = run.coefficients[:count].copy(), run.block_ends[:count].copy()
+    if taken > 0.0:
+        last = run.coefficients[count - 1]
+        part_of(last, 0.0, _parameter(last, taken, length), coefficients[-1])
+        ends[-1] = False
+    return replace(
+        run,
+        coefficients=coefficients,
+        feeds=run.feeds[:count],
+        lines=run.lines[:count],
+        numbers=run.numbers[:count],
+        block_ends=ends,
+        end_feed=None,
     )
 
 

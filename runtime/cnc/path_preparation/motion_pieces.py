@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,6 +70,18 @@ def moves(run: Polyline, begin: int, end: int) -> Polyline:
         lines=run.lines[begin:end],
         numbers=run.numbers[begin:end],
     )
+
+
+def lines_of(run: Polyline) -> Iterator[Line]:
+    """A run as single moves."""
+    gain = 1.0 if run.pcs_gain is None else run.pcs_gain
+    for i, feed in enumerate(run.feeds.tolist()):
+        number = int(run.numbers[i])
+        source = Source(run.program, int(run.lines[i]), None if number < 0 else number)
+        end = run.points[i + 1]
+        programmed = (end - run.pcs_shift) / gain
+        plane = run.plane or (0, 1)
+        yield Line(source, run.points[i], end, feed, bool(np.isinf(feed)), programmed, plane, pcs_gain=run.pcs_gain)
 
 
 def without_empty(run: Polyline) -> Polyline:

@@ -169,10 +169,24 @@ class DecoderConfiguration(Model):
         return 200 if self.max_number_of_tools == -1 else self.max_number_of_tools
 
 
+class PathPreparationConfiguration(Model):
+    """`configuration.path_preparation.*`."""
+
+    function: str = "FCT_DEFAULT"  # P-CHAN-00600, words joined by "|"
+    m_pre_output_lookahead: int = 10  # P-CHAN-00603, NC blocks over which micro-joints reach
+    m_pre_output_max_distance: int = 0  # P-CHAN-00604, 0.1 µm; 0: however long they are
+
+    @property
+    def has_micro_joints(self) -> bool:
+        """FCT_M_PRE_OUTPUT is among the functions."""
+        return "FCT_M_PRE_OUTPUT" in (word.strip() for word in self.function.split("|"))
+
+
 class Configuration(Model):
     """`configuration.*`: read at start only."""
 
     decoder: DecoderConfiguration = DecoderConfiguration()
+    path_preparation: PathPreparationConfiguration = PathPreparationConfiguration()
 
 
 class ChannelParameters(Model):

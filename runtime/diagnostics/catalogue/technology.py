@@ -1,6 +1,6 @@
 """Errors of technology functions and spindles in NC programs."""
 
-from runtime.diagnostics.errors import ErrorEntry, Reaction
+from runtime.diagnostics.errors import ErrorEntry, Reaction, Severity
 
 PRE_OUTPUT = ErrorEntry(
     300206,
@@ -110,8 +110,37 @@ HOMING_WITH_M = ErrorEntry(
 )
 MICRO_JOINT = ErrorEntry(
     300701,
-    "{letter}{number} of type {synch} has a distance ahead of its place: micro-joints are not supported",
+    "{letter}{number} of type {synch} has a distance ahead of its place: the channel has no micro-joints",
     reaction=Reaction.STOP_AT_BLOCK_END,
-    remedy="set the distance to 0, or choose a type that is put out ahead: MEP_MOS, MEP_SVS, MET_MOS, MET_SVS",
+    remedy="set the distance to 0, choose a type that is put out ahead (MEP_MOS, MEP_SVS, MET_MOS, MET_SVS), or add "
+    "FCT_M_PRE_OUTPUT to configuration.path_preparation.function (P-CHAN-00600)",
     source="channel parameters, line 2162",
+)
+JOINT_BARRED = ErrorEntry(
+    300721,
+    "{letter}{number} of type {synch} cannot be moved back on the path",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="functions of the channel of type MOS, MOS_TS, MVS_SVS, MVS_SNS or MNS_SNS can; set the distance of the others to 0",
+    source="cutting manual, line 1060",
+)
+JOINT_SHORT = ErrorEntry(
+    120693,
+    "{letter}{number} is put out {late:.4f} mm behind its place, which is {lead:.4f} mm back: that far nothing is kept",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="keep more blocks (P-CHAN-00603), program longer ones, or a shorter distance; P-CHAN-00760 makes it an error",
+    source="channel parameters, line 1574",
+)
+JOINT_FEED = ErrorEntry(
+    300722,
+    "#CHANNEL SET: {key} is {value:g}, it has to be above 0",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    source="cutting manual, line 1350",
+)
+JOINT_FEED_USELESS = ErrorEntry(
+    300723,
+    "#CHANNEL SET [M_PRE_OUTPUT] in a channel without micro-joints",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="add FCT_M_PRE_OUTPUT to configuration.path_preparation.function (P-CHAN-00600)",
+    source="cutting manual, line 1350",
 )

@@ -5,7 +5,7 @@ What a program changes holds for the programs that follow, until the next start 
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import BY_PATH, BY_TIME, Synch
+from runtime.cnc.blocks import BY_PATH, BY_TIME, MICRO_JOINTS, Synch
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import variable, writes
 from runtime.cnc.decoder.setup import DecoderSetupError, parse_synch
@@ -72,11 +72,14 @@ def _ahead(letter: str, ahead: str, what: str, fitting: Synch, implied: Synch) -
     def table(x: Execution) -> dict[int, int]:
         return x.memory.m_ahead if letter == "M" else x.memory.h_ahead
 
+    def joint(x: Execution, synch: Synch) -> bool:
+        return x.setup.micro_joints and bool(synch & MICRO_JOINTS)
+
     @variable(path, _SPEC, what, unit="mm, inch" if way else "s")
     def read(x: Execution, number: float) -> float:
         index = _number(x, letter, number)
         synch = _table(x, letter)[index]
-        if not synch & fitting:
+        if not synch & fitting and not (way and joint(x, synch)):
             shown = synch.kind.name
             raise CalculationError(technology.PRE_OUTPUT, name, letter=letter, number=index, synch=shown, what=said)
         value = table(x).get(index, 0) * unit
@@ -90,7 +93,7 @@ def _ahead(letter: str, ahead: str, what: str, fitting: Synch, implied: Synch) -
         if not 0.0 <= units < _BITS:
             raise CalculationError(technology.PRE_OUTPUT_VALUE, name, value=given, what=said)
         synch = _table(x, letter)[index]
-        if not synch & fitting:
+        if not synch & fitting and not (way and joint(x, synch)):
             _table(x, letter)[index] = implied | synch.flags
         table(x)[index] = round_half_up(units)
 
