@@ -6,6 +6,7 @@ of an earlier program is never taken for one of a later.
 
 from __future__ import annotations
 
+import mmap
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -44,7 +45,7 @@ class Report(NamedTuple):
 class DecoderReports:
     """The ring in `buffer` from byte `offset` (a multiple of 8) on; REPORTS_BYTES bytes, zero at first."""
 
-    def __init__(self, buffer: memoryview | bytearray, offset: int) -> None:
+    def __init__(self, buffer: mmap.mmap | bytearray, offset: int) -> None:
         self._counters = np.frombuffer(buffer, dtype=np.int64, count=3, offset=offset)
         self._records = np.frombuffer(buffer, dtype=RECORD, count=REPORTS, offset=offset + HEAD)
 

@@ -15,9 +15,9 @@ throw away what is left in it.
 
 from __future__ import annotations
 
+import mmap
 from dataclasses import dataclass
 from enum import IntEnum
-from multiprocessing import shared_memory
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from runtime.cnc.decoder_reports import REPORTS_BYTES, DecoderReports
 from runtime.cnc.search_target import BlockSearch, SearchKind
-from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
+from runtime.diagnostics.memory import SharedMemory, open_shared
 from runtime.hli.layout import Mode
 
 AXES = 8
@@ -123,12 +123,11 @@ class PreparationLink:
 
     def __init__(self, n_axes: int, name: str | None = None, *, create: bool = True) -> None:
         self._n_axes = n_axes
-        self._memory: shared_memory.SharedMemory | None = None
+        self._memory: SharedMemory | None = None
         if name is None:
-            buffer: bytearray | memoryview = bytearray(RECORD.itemsize + REPORTS_BYTES)
+            buffer: mmap.mmap | bytearray = bytearray(RECORD.itemsize + REPORTS_BYTES)
         else:
             self._memory = open_shared(name, RECORD.itemsize + REPORTS_BYTES if create else None)
-            assert self._memory.buf is not None
             buffer = self._memory.buf
         self.buffer = buffer
         self._record = np.frombuffer(buffer, dtype=RECORD, count=1)[0:1]
@@ -305,6 +304,6 @@ class PreparationLink:
         memory, self._memory = self._memory, None
         del self.buffer, self._record, self._fields, self.told
         if unlink:
-            remove_shared(memory)
+            memory.remove()
         else:
-            release_shared(memory)
+            memory.close()

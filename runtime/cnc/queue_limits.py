@@ -17,6 +17,8 @@ if it is not too old: an old one is put anew, so that its place can become free.
 
 from __future__ import annotations
 
+import mmap
+
 import numpy as np
 import numpy.typing as npt
 
@@ -40,7 +42,7 @@ class QueueLimits:
     """The ring in `buffer` from byte `offset` on, zero at first. `queue_counters`: written and read of the queue."""
 
     def __init__(
-        self, buffer: memoryview | bytearray, offset: int, max_axes: int, n_axes: int, queue_counters: Counters
+        self, buffer: mmap.mmap | bytearray, offset: int, max_axes: int, n_axes: int, queue_counters: Counters
     ) -> None:
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=1, offset=offset)  # sets ever put
         self.sets: npt.NDArray[np.float64] = np.frombuffer(

@@ -6,6 +6,8 @@ order. When all slots are in use the producer waits, as with a full queue.
 
 from __future__ import annotations
 
+import mmap
+
 import numpy as np
 
 TEXTS = 64
@@ -17,7 +19,7 @@ TEXTS_BYTES = _HEAD + TEXTS * TEXT_BYTES
 class QueueTexts:
     """The ring in `buffer` from byte `offset` on; TEXTS_BYTES bytes, zero at first."""
 
-    def __init__(self, buffer: memoryview | bytearray, offset: int) -> None:
+    def __init__(self, buffer: mmap.mmap | bytearray, offset: int) -> None:
         self.counters = np.frombuffer(buffer, dtype=np.int64, count=2, offset=offset)
         self.slots = np.frombuffer(buffer, dtype=f"S{TEXT_BYTES}", count=TEXTS, offset=offset + _HEAD)
 

@@ -6,13 +6,13 @@ out and writes the journal, the trace and the counters. A full ring loses the ne
 
 from __future__ import annotations
 
+import mmap
 from dataclasses import dataclass
 from enum import IntEnum, auto
-from multiprocessing import shared_memory
 
 import numpy as np
 
-from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
+from runtime.diagnostics.memory import SharedMemory, open_shared
 
 CAPACITY = 8192
 TEXT_BYTES = 260
@@ -85,13 +85,12 @@ class EventRing:
     """
 
     def __init__(self, name: str | None = None, *, create: bool = True) -> None:
-        self._memory: shared_memory.SharedMemory | None = None
+        self._memory: SharedMemory | None = None
         size = 64 + CAPACITY * RECORD.itemsize
         if name is None:
-            buffer: memoryview | bytearray = bytearray(size)
+            buffer: mmap.mmap | bytearray = bytearray(size)
         else:
             self._memory = open_shared(name, size if create else None)
-            assert self._memory.buf is not None
             buffer = self._memory.buf
         self._counters = np.frombuffer(buffer, dtype=np.uint64, count=8)  # written, read, lost
         self._records = np.frombuffer(buffer, dtype=RECORD, count=CAPACITY, offset=64)
@@ -153,6 +152,6 @@ class EventRing:
         memory, self._memory = self._memory, None
         del self._counters, self._records
         if unlink:
-            remove_shared(memory)
+            memory.remove()
         else:
-            release_shared(memory)
+            memory.close()

@@ -1,51 +1,69 @@
-"""Named shared memory that outlives a crash of its user and belongs to nobody's resource tracker."""
+"""Named shared memory that outlives a crash of its user: the owner removes it, nobody else.
+
+Python's own class starts a further process beside each that opens such a memory (its resource tracker), which would also remove
+the memory when any of them ends. Here it is what it is on Linux: a file in /dev/shm, mapped.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import errno
+import mmap
 import os
-from multiprocessing import resource_tracker, shared_memory
+from pathlib import Path
+from typing import Final
+
+SHARED_MEMORY: Final = Path("/dev/shm")  # shm_overview(7)
 
 
-def open_shared(name: str, size: int | None) -> shared_memory.SharedMemory:
-    """Open the shared memory `name`; with a `size` make it anew, zeroed, removing a left-over of the same name.
+class SharedMemory:
+    """Shared memory that is open in this process. `buf`: its bytes, `size` of them; views of them stay readable after `close`."""
 
-    Python's resource tracker would remove the memory when any process that attached to it ends (until 3.13), so it is told to
-    forget it: the owner removes it. Raises FileNotFoundError if there is nothing to attach to.
+    def __init__(self, path: Path, descriptor: int) -> None:
+        """Raises ValueError if the memory has no size yet."""
+        self._path = path
+        self.descriptor = descriptor
+        self.size = os.fstat(descriptor).st_size
+        self.buf = mmap.mmap(descriptor, self.size)
+
+    def close(self) -> None:
+        """Let go of the memory; where views of it are still in use, the mapping goes when the last of them does."""
+        with contextlib.suppress(BufferError):
+            self.buf.close()
+        if self.descriptor >= 0:
+            os.close(self.descriptor)
+            self.descriptor = -1
+
+    def remove(self) -> None:
+        """Let go of the memory and take its name away."""
+        self.close()
+        self._path.unlink(missing_ok=True)
+
+
+def open_shared(name: str, size: int | None) -> SharedMemory:
+    """Open the shared memory `name`; with a `size` in bytes make it anew, zeroed, removing a left-over of the same name.
+
+    All of it is there from the beginning: a page that is missing later would end the process that touches it. Raises
+    FileNotFoundError if there is nothing to attach to, OSError if there is no room for it, ValueError if it has no size yet.
     """
-    if size is None:
-        memory = shared_memory.SharedMemory(name)
-    else:
-        with contextlib.suppress(FileNotFoundError):
-            old = shared_memory.SharedMemory(name)
-            old.close()
-            old.unlink()
-        memory = shared_memory.SharedMemory(name, create=True, size=size)
-    with contextlib.suppress(Exception):
-        resource_tracker.unregister(memory._name, "shared_memory")  # type: ignore[attr-defined]
-    return memory
-
-
-def release_shared(memory: shared_memory.SharedMemory) -> None:
-    """Close shared memory; where views of it are still in use, the mapping goes when the last of them does.
-
-    `close()` alone refuses then, and complains again when the object is deleted.
-    """
+    path = SHARED_MEMORY / name
+    flags = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
+    if size is not None:
+        path.unlink(missing_ok=True)
+        flags |= os.O_CREAT | os.O_EXCL
+    descriptor = os.open(path, flags, 0o600)
     try:
-        memory.close()
-    except BufferError:
-        os.close(memory._fd)  # type: ignore[attr-defined]
-        memory._fd = -1  # type: ignore[attr-defined]
-        memory._buf = None  # type: ignore[attr-defined]
-        memory._mmap = None  # type: ignore[attr-defined]
+        if size is not None:
+            _take(descriptor, size, path)
+        return SharedMemory(path, descriptor)
+    except BaseException:
+        os.close(descriptor)
+        raise
 
 
-def remove_shared(memory: shared_memory.SharedMemory) -> None:
-    """Close and remove shared memory that `open_shared` made."""
-    release_shared(memory)
-    name = memory._name  # type: ignore[attr-defined]
-    resource_tracker.register(name, "shared_memory")  # unlink forgets it again
+def _take(descriptor: int, size: int, path: Path) -> None:
     try:
-        memory.unlink()
-    except FileNotFoundError:
-        resource_tracker.unregister(name, "shared_memory")
+        os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise OSError(error.errno or errno.ENOSPC, os.strerror(error.errno or errno.ENOSPC), str(path)) from None

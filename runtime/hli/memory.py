@@ -13,19 +13,17 @@ import mmap
 import os
 import re
 from functools import cache
-from multiprocessing import shared_memory
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import ErrorEntry
-from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
+from runtime.diagnostics.memory import SHARED_MEMORY, SharedMemory, open_shared
 from runtime.hli import layout
 from runtime.hli.errors import HliError
 from runtime.hli.layout import Channel, Head, Hli, Platform
 
-SHARED_MEMORY = Path("/dev/shm")  # where Linux shows POSIX shared memory
 GROUP_READABLE = 0o640  # the group looks on; only the owner's user commands
 _NAME = re.compile(r"[A-Za-z0-9_.-]{1,60}\Z")
 
@@ -70,7 +68,7 @@ class HliMemory:
         self,
         hli: Hli,
         name: str | None = None,
-        memory: shared_memory.SharedMemory | None = None,
+        memory: SharedMemory | None = None,
         *,
         owner: bool = False,
     ) -> None:
@@ -98,9 +96,8 @@ class HliMemory:
             memory = open_shared(name, c.sizeof(Hli))
         except PermissionError:
             raise HliError(catalogue.HLI_NO_ACCESS, name=name) from None
-        descriptor: int = memory._fd  # type: ignore[attr-defined]
-        os.fchmod(descriptor, permissions)
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        os.fchmod(memory.descriptor, permissions)
+        fcntl.flock(memory.descriptor, fcntl.LOCK_EX)
         hli = _tree(memory)
         _initialise(hli)
         return cls(hli, name, memory, owner=True)
@@ -113,7 +110,7 @@ class HliMemory:
         any access beyond the head, if there is no such memory or it was built from another layout.
         """
         _check_name(name)
-        memory: shared_memory.SharedMemory | None = None
+        memory: SharedMemory | None = None
         try:
             if read_only:
                 hli = _view(SHARED_MEMORY / name)
@@ -157,9 +154,9 @@ class HliMemory:
         if memory is None:
             return
         if self._owner and not keep:
-            remove_shared(memory)
+            memory.remove()
         else:
-            release_shared(memory)
+            memory.close()
 
     def __enter__(self) -> HliMemory:
         return self
@@ -232,8 +229,7 @@ def _refuse_size(name: str) -> NoReturn:
     raise HliError(catalogue.HLI_NO_SHAPE, name=name)
 
 
-def _tree(memory: shared_memory.SharedMemory) -> Hli:
-    assert memory.buf is not None  # it is open
+def _tree(memory: SharedMemory) -> Hli:
     return Hli.from_buffer(memory.buf)
 
 

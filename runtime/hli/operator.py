@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from runtime.diagnostics.catalogue import block_search
 from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Severity, TandemError
+from runtime.diagnostics.memory import SHARED_MEMORY
 from runtime.hli.errors import HliError
 from runtime.hli.layout import (
     ManualMode,
@@ -21,7 +22,7 @@ from runtime.hli.layout import (
     SearchOrder,
     State,
 )
-from runtime.hli.memory import SHARED_MEMORY, HliMemory, get_text, put_text
+from runtime.hli.memory import HliMemory, get_text, put_text
 from runtime.hli.modes import Wish
 from runtime.hli.units import LENGTH, SPEED, to_int32
 

@@ -8,12 +8,12 @@ never waits: a record that finds no room is dropped and counted, and the next on
 
 from __future__ import annotations
 
-from multiprocessing import shared_memory
+import mmap
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
+from runtime.diagnostics.memory import SharedMemory, open_shared
 
 Words = npt.NDArray[np.int64]
 RING_BYTES = 16 << 20  # some 20 s of a machine in motion
@@ -25,12 +25,11 @@ class RecorderRing:
     """The ring, in shared memory when `name` is given, else in this process only; `create` makes it, of `size` bytes."""
 
     def __init__(self, name: str | None = None, *, create: bool = True, size: int = RING_BYTES) -> None:
-        self._memory: shared_memory.SharedMemory | None = None
+        self._memory: SharedMemory | None = None
         if name is None:
-            buffer: memoryview | bytearray = bytearray(_HEAD + size)
+            buffer: mmap.mmap | bytearray = bytearray(_HEAD + size)
         else:
             self._memory = open_shared(name, _HEAD + size if create else None)
-            assert self._memory.buf is not None
             buffer = self._memory.buf
         self._counters: Words = np.frombuffer(buffer, dtype=np.int64, count=8)
         self._words: Words = np.frombuffer(buffer, dtype=np.int64, offset=_HEAD)
@@ -113,6 +112,6 @@ class RecorderRing:
         memory, self._memory = self._memory, None
         del self._counters, self._words
         if unlink:
-            remove_shared(memory)
+            memory.remove()
         else:
-            release_shared(memory)
+            memory.close()

@@ -8,11 +8,11 @@ each number whole, and takes the number of cycles from the buckets, so that what
 
 from __future__ import annotations
 
+import mmap
 from bisect import bisect_left
 from collections.abc import Sequence
-from multiprocessing import shared_memory
 
-from runtime.diagnostics.memory import open_shared, remove_shared
+from runtime.diagnostics.memory import SharedMemory, open_shared
 
 BOUNDS_NS: tuple[int, ...] = tuple(
     round(microseconds * 1000)
@@ -97,14 +97,13 @@ class CycleStatistics:
     """
 
     def __init__(self, name: str | None = None, *, create: bool = True) -> None:
-        self._memory: shared_memory.SharedMemory | None = None
+        self._memory: SharedMemory | None = None
         size = 2 * _WORDS * 8
-        buffer: memoryview | bytearray
+        buffer: mmap.mmap | bytearray
         if name is None:
             buffer = bytearray(size)
         else:
             self._memory = open_shared(name, size if create else None)
-            assert self._memory.buf is not None
             buffer = self._memory.buf
         words = memoryview(buffer)[:size].cast("Q")
         self._views: Sequence[memoryview[int]] = (words[:_WORDS], words[_WORDS:], words)
@@ -124,6 +123,6 @@ class CycleStatistics:
             return
         memory, self._memory = self._memory, None
         if unlink:
-            remove_shared(memory)
+            memory.remove()
         else:
             memory.close()

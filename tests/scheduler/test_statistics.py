@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.diagnostics.memory import open_shared, remove_shared
+from runtime.diagnostics.memory import open_shared
 from runtime.scheduler.statistics import BOUNDS_NS, CycleStatistics
 
 durations = st.lists(st.integers(0, 10**9), min_size=1, max_size=60)
@@ -82,4 +82,4 @@ def test_memory_of_something_else_is_refused() -> None:
         with pytest.raises(ValueError, match="no cycle statistics"):
             CycleStatistics(name, create=False)
     finally:
-        remove_shared(memory)
+        memory.remove()
