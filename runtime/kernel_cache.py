@@ -47,8 +47,8 @@ class KernelCache:
         return self._complete.exists()
 
     @contextlib.contextmanager
-    def filling(self) -> Iterator[None]:
-        """Around the warm-up: only one process compiles at a time, the others then load. Marks the folder as complete."""
+    def filling(self, *, everything: bool) -> Iterator[None]:
+        """Around a warm-up: one process compiles, the others then load. With `everything` the folder is complete behind it."""
         lock = None
         if not self.warm:
             with contextlib.suppress(OSError):  # not writable any more: this process compiles for itself
@@ -59,7 +59,7 @@ class KernelCache:
         finally:
             if lock is not None:
                 lock.close()
-        if lock is not None:
+        if lock is not None and everything:
             with contextlib.suppress(OSError):
                 self._complete.touch()
             self._forget_old()
@@ -119,3 +119,6 @@ def _sources(package: Path) -> dict[Path, bytes]:
                 found[path] = path.read_bytes()
                 new.append(found[path])
     return found
+
+
+CACHE = find_cache(os.environ)

@@ -7,17 +7,15 @@ enabled: never in the cycle.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
 
-from runtime.kernel_cache import find_cache
+from runtime.kernel_cache import CACHE
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-CACHE = find_cache(os.environ)
 setattr(numba.config, "CACHE_DIR", str(CACHE.folder))  # noqa: B010 - mypy does not see it there
 
 _WARM_UPS: list[tuple[str, Callable[[], None]]] = []
@@ -38,9 +36,12 @@ def warms(name: str) -> Callable[[Callable[[], None]], Callable[[], None]]:
     return register
 
 
-def warm_up(progress: Callable[[str, int, int], None] | None = None) -> None:
-    """Run all registered warm-ups; `progress(name, done, total)` is told before each."""
-    with CACHE.filling():
+def warm_up(progress: Callable[[str, int, int], None] | None = None, *, everything: bool = False) -> None:
+    """Run all registered warm-ups; `progress(name, done, total)` is told before each.
+
+    `everything`: those of every kernel there is are registered (scheduler.all_kernels), so the cache is complete afterwards.
+    """
+    with CACHE.filling(everything=everything):
         for done, (name, call) in enumerate(_WARM_UPS):
             if progress:
                 progress(name, done, len(_WARM_UPS))

@@ -67,19 +67,47 @@ def test_without_any_place_the_folder_is_temporary_private_and_shared_with_child
 
 def test_a_folder_is_warm_after_it_has_been_filled_once(tmp_path: Path) -> None:
     cache = KernelCache(tmp_path)
-    with pytest.raises(ZeroDivisionError), cache.filling():
+    with pytest.raises(ZeroDivisionError), cache.filling(everything=True):
         raise ZeroDivisionError
     assert not cache.warm
-    with cache.filling():
+    with cache.filling(everything=True):
         assert not cache.warm
     assert cache.warm
+
+
+def test_what_only_some_kernels_were_compiled_into_is_not_complete(tmp_path: Path) -> None:
+    cache = KernelCache(tmp_path)
+    with cache.filling(everything=False):
+        pass
+    assert not cache.warm
+
+
+def test_a_first_start_compiles_every_kernel_and_a_machine_that_finds_them_loads_no_compiler() -> None:
+    """In processes of their own: this one has imported whatever other tests need."""
+    package = kernel_cache.PACKAGE
+    with_kernels = {
+        ".".join(("runtime", *path.relative_to(package).with_suffix("").parts))
+        for path in package.rglob("*.py")
+        if b"\n@warms(" in path.read_bytes()
+    }
+    assert len(with_kernels) > 20
+    assert with_kernels <= _imported_with("runtime.scheduler.all_kernels")
+    service = _imported_with("runtime.cli.run, runtime.cli.preparing, runtime.scheduler.session")
+    assert service.isdisjoint(
+        {"numba", "lark", "can", "canopen", "ruckig", "matplotlib", "multiprocessing", *with_kernels}
+    )
+
+
+def _imported_with(modules: str) -> set[str]:
+    code = f"import sys, {modules}; print(*sys.modules)"
+    return set(subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split())
 
 
 def test_old_folders_are_removed_but_a_few(tmp_path: Path) -> None:
     for i in range(10):
         (tmp_path / f"kernels-{i}").mkdir()
         os.utime(tmp_path / f"kernels-{i}", (i, i))
-    with KernelCache(tmp_path / "kernels-0").filling():
+    with KernelCache(tmp_path / "kernels-0").filling(everything=True):
         pass
     assert {path.name for path in tmp_path.iterdir()} == {f"kernels-{i}" for i in (0, 6, 7, 8, 9)}
 
@@ -88,7 +116,7 @@ def test_another_process_waits_until_the_first_has_compiled(tmp_path: Path) -> N
     """The lock is the file system's: here the second one is told at once that it is taken."""
     code = "import fcntl, sys; fcntl.flock(open(sys.argv[1], 'w'), fcntl.LOCK_EX | fcntl.LOCK_NB)"
     command = [sys.executable, "-c", code, str(tmp_path / "lock")]
-    with KernelCache(tmp_path).filling():
+    with KernelCache(tmp_path).filling(everything=True):
         assert subprocess.run(command, check=False, capture_output=True).returncode != 0
     assert subprocess.run(command, check=False).returncode == 0
 

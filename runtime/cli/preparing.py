@@ -8,23 +8,35 @@ from __future__ import annotations
 import os
 import sys
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
 from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import Problem
-from runtime.kernels import CACHE, warm_up
+from runtime.kernel_cache import CACHE
 from runtime.scheduler.notify import Notifier
 
 _LONGEST_STEP = 120.0  # s that one group of kernels may take on a slow computer
 
 
 def prepare_kernels() -> None:
-    """Load the kernels from the cache; the first time compile them, with progress on standard error."""
+    """Load the kernels of all modules that are imported; the first time compile every one, with progress on standard error."""
+    compile_kernels()
+    from runtime.kernels import warm_up
+
+    warm_up()
+
+
+def compile_kernels() -> None:
+    """The first time compile every kernel, with progress on standard error; later only look that they are there.
+
+    What it takes for that is imported then only: a start that finds everything compiled is there sooner.
+    """
     if CACHE.warm:
-        warm_up()
         return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    import runtime.scheduler.all_kernels  # noqa: F401 - registers the warm-ups
+    from runtime.kernels import warm_up
+
     if not CACHE.lasting:
         print(
             Problem(system.KERNELS_NOT_KEPT, {"places": ", ".join(map(str, CACHE.refused))}).explained(),
@@ -32,7 +44,7 @@ def prepare_kernels() -> None:
         )
     console = Console(stderr=True)
     if not console.is_terminal:  # there the bar is seen when it is full
-        console.print("compiling kernels, as at every first start of a version: about half a minute")
+        console.print("compiling kernels, as at every first start of a version: about a minute")
     columns = (TextColumn("compiling kernels"), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=1)
@@ -45,12 +57,6 @@ def prepare_kernels() -> None:
                 f"first start of this version: compiling kernels, {done} of {total} groups", _LONGEST_STEP
             )
 
-        warm_up(tell)
+        warm_up(tell, everything=True)
         bar.update(task, description="ready", completed=1, total=1)
         notifier.close()
-
-
-def compile_kernels() -> None:
-    """As `prepare_kernels`, for a process that runs none of them itself: those that are compiled are not loaded."""
-    if not CACHE.warm:
-        prepare_kernels()

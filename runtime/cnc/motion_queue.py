@@ -30,18 +30,18 @@ Units: mm or degrees, per second; angles of arcs in radians.
 
 from __future__ import annotations
 
+import mmap
 from copy import copy
 from enum import IntEnum, unique
-from multiprocessing import shared_memory
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.geometry.polynomials import ROWS, WIDTH
+from runtime.cnc.geometry.polynomial_table import ROWS, WIDTH
 from runtime.cnc.queue_limits import QueueLimits, limits_bytes
 from runtime.cnc.queue_texts import TEXTS_BYTES, QueueTexts
-from runtime.diagnostics.memory import open_shared, release_shared, remove_shared
+from runtime.diagnostics.memory import SharedMemory, open_shared
 
 CAPACITY = 16384  # some 6 MB; 16 m of path in segments of 1 mm, 1.6 m in segments of 0.1 mm
 MAX_AXES = 8  # config.machine: axes of a channel
@@ -198,16 +198,15 @@ class MotionQueue:
             raise ValueError(f"a channel has 1 to {MAX_AXES} axes, not {n_axes}")
         self.n_axes = n_axes
         self.capacity = capacity
-        self._memory: shared_memory.SharedMemory | None = None
+        self._memory: SharedMemory | None = None
         sets = _HEAD + _NAMES + TEXTS_BYTES
         records = sets + limits_bytes(MAX_AXES)
         polynomials = records + capacity * RECORD.itemsize
         size = polynomials + capacity * ROWS * WIDTH * 8
         if name is None:
-            buffer: memoryview | bytearray = bytearray(size)
+            buffer: mmap.mmap | bytearray = bytearray(size)
         else:
             self._memory = open_shared(name, size if create else None)
-            assert self._memory.buf is not None
             buffer = self._memory.buf
         self.counters: Counters = np.frombuffer(buffer, dtype=np.int64, count=8)  # written, read, programs
         self._names = np.frombuffer(buffer, dtype=f"S{PROGRAM_NAME}", count=PROGRAMS, offset=_HEAD)
@@ -311,6 +310,6 @@ class MotionQueue:
         memory, self._memory = self._memory, None
         del self.counters, self._names, self.texts, self.limits, self.records, self._kinds, self.polynomials
         if unlink:
-            remove_shared(memory)
+            memory.remove()
         else:
-            release_shared(memory)
+            memory.close()

@@ -16,7 +16,7 @@ from runtime.config.machine import Machine
 from runtime.config.yaml_core import CoreLoader
 from runtime.diagnostics.version import version
 from runtime.drives import DriveImage
-from runtime.recorder.machine_areas import layouts
+from runtime.recorder.layouts import layouts
 
 PACKAGE = Path(__file__).parents[1]
 _SOURCES = ("*.py", "*.lark")

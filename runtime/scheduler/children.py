@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import ctypes
 import os
+import select
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 _PR_SET_PDEATHSIG = 1
+_LOOK_EVERY_MS = 100  # whether one is to stop, while one waits
 
 
 def die_with_parent(by: signal.Signals = signal.SIGTERM) -> None:
@@ -36,6 +38,15 @@ def parent_gone(parent: int) -> bool:
     except OSError:
         return True
     return stat.rpartition(")")[2].split()[0] in ("Z", "X")
+
+
+def wait_until_raised(descriptor: int, stopping: Callable[[], bool]) -> None:
+    """Until somebody has raised the eventfd, which stays raised, or `stopping` says so. A negative descriptor: not at all."""
+    waiter = select.poll()
+    if descriptor >= 0:
+        waiter.register(descriptor, select.POLLIN)
+        while not waiter.poll(_LOOK_EVERY_MS) and not stopping():
+            pass
 
 
 @dataclass(slots=True)

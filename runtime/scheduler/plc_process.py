@@ -27,7 +27,7 @@ from runtime.hli.errors import HliError
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.exchange import ProgramExchange
-from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.children import die_with_parent, wait_until_raised
 from runtime.scheduler.plc_program import LoadingBeside, load_host
 from runtime.scheduler.realtime import RefusedError, set_priority
 from runtime.scheduler.retained import state_directory
@@ -47,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         machine = load_machine(path)
     except ConfigurationError as error:
         return _complain(EXIT_CONFIGURATION, *(problem.explained() for problem in error.problems))
+    wait_until_raised(options.begin, lambda: stop.asked)
+    if stop.asked:
+        return 0
     try:
         memory = HliMemory.attach(options.hli)
     except HliError as error:
@@ -107,6 +110,9 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--machine", required=True, help="machine description, or demo")
     parser.add_argument("--hli", required=True, help="name of the runtime's shared memory")
     parser.add_argument("--wake-fd", required=True, type=int, help="eventfd that the runtime raises for each PLC cycle")
+    parser.add_argument(
+        "--begin", type=int, default=-1, help="eventfd that is raised when the shared memories are there"
+    )
     return parser.parse_args(arguments)
 
 

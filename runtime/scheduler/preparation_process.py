@@ -17,7 +17,7 @@ from runtime.config import load_machine
 from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
 from runtime.scheduler import names
-from runtime.scheduler.children import die_with_parent
+from runtime.scheduler.children import die_with_parent, wait_until_raised
 from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 from runtime.scheduler.tool_tables import machine_tools
@@ -32,6 +32,9 @@ def main() -> None:
     parser.add_argument("--name", required=True)
     parser.add_argument("--channel", type=int, default=0)
     parser.add_argument("--dialect", default="isg")
+    parser.add_argument(
+        "--begin", type=int, default=-1, help="eventfd that is raised when the shared memories are there"
+    )
     arguments = parser.parse_args()
     die_with_parent()
     stopping = False
@@ -43,6 +46,9 @@ def main() -> None:
     signal.signal(signal.SIGTERM, stop)
     machine = load_machine(arguments.machine)
     warm_up()
+    wait_until_raised(arguments.begin, lambda: stopping)
+    if stopping:
+        return
     n_axes = len(machine.channels[arguments.channel].axes)
     queue = MotionQueue(n_axes, names.queue(arguments.name, arguments.channel), create=False)
     link = PreparationLink(n_axes, names.link(arguments.name, arguments.channel), create=False)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.geometry.polynomials import ROWS, WIDTH
+from runtime.cnc.geometry.polynomial_table import ROWS, WIDTH
 from runtime.cnc.motion_queue import PROGRAMS, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.cnc.queue_limits import SETS
@@ -32,11 +32,13 @@ from runtime.diagnostics.events import EventRing
 from runtime.drives import BusFigures, DriveEvent, DriveImage
 from runtime.hli.layout import Platform
 from runtime.hli.memory import HliMemory
-from runtime.recorder.areas import WHOLE_WORDS, Area, Element, apply_changes
+from runtime.recorder.areas import WHOLE_WORDS, Area, apply_changes
 from runtime.recorder.border import RECORD_WORDS, outside_of
+from runtime.recorder.elements import Element
 from runtime.recorder.file import RecordingError, RecordingFile
 from runtime.recorder.header import described_machine, image_words, processor, source_hash
-from runtime.recorder.machine_areas import AREAS, elements_of_area, hli_area, layouts, link_area
+from runtime.recorder.layouts import AREAS, elements_of_area, layouts
+from runtime.recorder.machine_areas import hli_area, link_area
 from runtime.recorder.record import GAP, KEYFRAME, STATE_FOLLOWS, CycleRecord, Section, value_of
 from runtime.recorder.state import restore
 from runtime.scheduler.controller import Controller

@@ -28,9 +28,10 @@ from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.catalogue import system
 from runtime.diagnostics.errors import Problem, Severity, TandemError
 from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.diagnostics.memory import SHARED_MEMORY
 from runtime.drives import DriveImage
 from runtime.hli.errors import HliError
-from runtime.hli.memory import SHARED_MEMORY, HliMemory, refuse_living_owner
+from runtime.hli.memory import HliMemory, refuse_living_owner
 from runtime.monitoring.endpoint import MachineCollector, MetricsServer, start_metrics_server
 from runtime.recorder.drain import Drain
 from runtime.recorder.header import make_header
@@ -85,6 +86,7 @@ class Supervisor:
         self._store = RetainedStore(state)
         self._lock: TextIO | None = None
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
+        self._made = os.eventfd(0)  # raised as long as the shared memories are there
         self._events: EventRing | None = None
         self.statistics: CycleStatistics | None = None
         self._link: PreparationLink | None = None
@@ -112,14 +114,26 @@ class Supervisor:
             [self._wake],
         )
         self.preparation = Child(
-            "preparation", "runtime.scheduler.preparation_process", [*common, "--dialect", options.dialect]
+            "preparation",
+            "runtime.scheduler.preparation_process",
+            [*common, "--dialect", options.dialect, "--begin", str(self._made)],
+            [self._made],
         )
         machine_file = str(options.machine_file or DEMO_MACHINE)
         self.plc = Child(
             "PLC",
             "runtime.scheduler.plc_process",
-            ["--machine", machine_file, "--hli", options.name, "--wake-fd", str(self._wake)],
-            [self._wake],
+            [
+                "--machine",
+                machine_file,
+                "--hli",
+                options.name,
+                "--wake-fd",
+                str(self._wake),
+                "--begin",
+                str(self._made),
+            ],
+            [self._wake, self._made],
         )
         encoders = str(state / "simulated-drives.json")
         self.drives = Child(
@@ -138,16 +152,16 @@ class Supervisor:
     # ------------------------------------------------------------------ start
 
     def start(self) -> None:
-        """Start every process; returns when the cycle runs. Raises SupervisorError, HliError."""
+        """Start every process; returns when the cycle runs. Raises SupervisorError, HliError.
+
+        All load what they need at the same time; preparation and PLC then wait for the memories that the cycle makes.
+        """
         self._be_the_only_one()
-        if self.options.simulated_drives:
-            self.drives.start()
-        self.cycle.start()
+        for child in self.children:
+            child.start()
         self._wait_for_cycle(self._attach)
         self._start_recorder()
-        self.preparation.start()
-        if self.machine.plc.program:
-            self.plc.start()
+        os.eventfd_write(self._made, 1)
         self._wait_for_cycle(self._others_up)
         assert self.memory is not None
         self.memory.hli.platform.service_ready_w = True
@@ -417,6 +431,7 @@ class Supervisor:
         if self._lock is not None:
             self._lock.close()
         os.close(self._wake)
+        os.close(self._made)
         code = self.cycle.process.returncode if self.cycle.process else 1
         return 1 if self._failed or code else 0
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from runtime.config import load_machine
 from runtime.hli.layout import Hli
 from runtime.hli.memory import HliMemory
-from runtime.recorder.areas import Area, apply_changes, elements_of, words_of
+from runtime.recorder.areas import Area, apply_changes, words_of
+from runtime.recorder.elements import elements_of
 from runtime.recorder.machine_areas import hli_area
 
 OUT = np.zeros(4096, dtype=np.int64)

@@ -16,7 +16,7 @@ from tests.system.running_machine import RunningMachine
 @pytest.fixture(scope="session", autouse=True)
 def compiled_kernels() -> None:
     """What a first start does is no part of what the tests wait for."""
-    warm_up()
+    warm_up(everything=True)
 
 
 @pytest.fixture

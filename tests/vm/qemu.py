@@ -135,6 +135,7 @@ class Disk:
     def boot(self, part: str, limit: float, cut: float | None = None) -> GuestRun:
         """Play a part of tests.vm.guest.full; with `cut` the power goes so many seconds after the guest has asked for it."""
         variables = {**GENERIC, "PART": part, "PYTHONDONTWRITEBYTECODE": "1"}
+        variables |= {name: os.environ[name] for name in ("ONLY",) if name in os.environ}
         (self.folder / "environment").write_text("".join(f"{key}={value}\n" for key, value in variables.items()))
         asked = self.folder / "cut-the-power"
         asked.unlink(missing_ok=True)

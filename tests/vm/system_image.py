@@ -178,7 +178,7 @@ def _compile(root: Path, environment: dict[str, str]) -> None:
     # some packages carry files of other versions of Python
     subprocess.run(compile_all, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     variables = [f"{key}={value}" for key, value in environment.items()]
-    code = "import runtime.scheduler.session; from runtime.cli.preparing import prepare_kernels; prepare_kernels()"
+    code = "from runtime.cli.preparing import prepare_kernels; prepare_kernels()"
     command = ["chroot", str(root), "/usr/bin/env", f"NUMBA_CACHE_DIR={KERNELS}", "HOME=/tmp", *variables]
     command += ["PYTHONDONTWRITEBYTECODE=1", "/opt/tandem/bin/python", "-c", code]
     run(command, root, "the kernels cannot be compiled", limit=COMPILE_LIMIT)

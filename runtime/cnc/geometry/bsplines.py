@@ -16,7 +16,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.geometry.polynomials import MAIN_AXES, TERMS
+from runtime.cnc.geometry.polynomial_table import TERMS
+from runtime.cnc.geometry.polynomials import MAIN_AXES
 from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]

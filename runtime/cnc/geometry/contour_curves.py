@@ -23,7 +23,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.geometry.elements import arc_at, line_at
-from runtime.cnc.geometry.polynomials import MAIN_AXES, TERMS, WIDTH
+from runtime.cnc.geometry.polynomial_table import TERMS, WIDTH
+from runtime.cnc.geometry.polynomials import MAIN_AXES
 from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]

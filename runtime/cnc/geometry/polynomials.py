@@ -9,7 +9,7 @@ carries u(σ), σ = s/L the share of its length, as a polynomial of degree 7 wit
 What is driven lies on the element whatever u(σ) is; between these places only the speed is off, by at most SPEED_ERROR.
 Elements for which that is not enough are split.
 
-A table (ROWS, MAX_AXES) holds an element: rows 0…5 the coefficients of the axes, row 6 those of u(σ).
+A table (`polynomial_table`) holds an element.
 """
 
 from __future__ import annotations
@@ -19,17 +19,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.geometry.polynomial_table import DEGREE, MAP, ROWS, TERMS, WIDTH
 from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
-DEGREE = 5
-TERMS = DEGREE + 1
-WIDTH = 8  # axes of a table, and coefficients of u(σ)
-MAP = TERMS  # the row of u(σ)
-ROWS = TERMS + 1
 SPEED_ERROR = 5e-4  # |dq/ds| - 1
 MOST_PARTS = 64  # of one element
 LEAST_PART = 2.0**-16  # near a place where it almost stands still: two control points that nearly coincide

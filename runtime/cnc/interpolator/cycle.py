@@ -16,8 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.geometry.elements import arc_at, line_at
-from runtime.cnc.geometry.polynomials import ROWS as POLYNOMIAL_ROWS
-from runtime.cnc.geometry.polynomials import WIDTH, polynomial_at
+from runtime.cnc.geometry.polynomial_table import ROWS as POLYNOMIAL_ROWS
+from runtime.cnc.geometry.polynomial_table import WIDTH
+from runtime.cnc.geometry.polynomials import polynomial_at
 from runtime.cnc.interpolator.lookahead import (
     ARC,
     BEHIND,

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.geometry.polynomials import MAP, ROWS, WIDTH, part_of
+from runtime.cnc.geometry.polynomial_table import MAP, ROWS, WIDTH
+from runtime.cnc.geometry.polynomials import part_of
 from runtime.cnc.motion_queue import RECORD, ActionKind, Counters, GateReason, MotionQueue, RecordKind, Records
 from runtime.kernels import kernel, warms
 

@@ -52,7 +52,8 @@ from runtime.cnc.geometry.contour_curves import (
     WHOLE,
     corner_curves,
 )
-from runtime.cnc.geometry.polynomials import MAIN_AXES, TERMS
+from runtime.cnc.geometry.polynomial_table import TERMS
+from runtime.cnc.geometry.polynomials import MAIN_AXES
 from runtime.cnc.path_preparation.motion_pieces import (
     NO_LENGTH,
     Motion,

@@ -29,7 +29,8 @@ from runtime.cnc.dynamic_settings import (
     WeightedPart,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.geometry.polynomials import MAIN_AXES, ROWS, WIDTH, polynomial_derivatives
+from runtime.cnc.geometry.polynomial_table import ROWS, WIDTH
+from runtime.cnc.geometry.polynomials import MAIN_AXES, polynomial_derivatives
 from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamics import TANGENTIAL, Border, Dynamics, arc_dynamics, line_dynamics
 from runtime.cnc.path_preparation.polynomial_dynamics import PLACES, polynomial_dynamics

@@ -18,7 +18,8 @@ import numpy.typing as npt
 
 from runtime.cnc.blocks import Polynomials
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.geometry.polynomials import MAIN_AXES, MAP, MOST_PARTS, ROWS, WIDTH, arrange, polynomial_derivatives
+from runtime.cnc.geometry.polynomial_table import MAP, ROWS, WIDTH
+from runtime.cnc.geometry.polynomials import MAIN_AXES, MOST_PARTS, arrange, polynomial_derivatives
 from runtime.cnc.path_preparation.dynamics import (
     CURVATURE_SHARE,
     GREATEST_CURVATURE_SHARE,

@@ -66,7 +66,7 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.dynamic_settings import USUAL, DynamicSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
-from runtime.cnc.geometry.polynomials import MAP
+from runtime.cnc.geometry.polynomial_table import MAP
 from runtime.cnc.job_records import write_job, write_wait
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.axis_travel import axis_travel

@@ -40,7 +40,8 @@ from runtime.cnc.blocks import (
 )
 from runtime.cnc.geometry.bsplines import CERTAIN, spans, steered
 from runtime.cnc.geometry.contour_curves import ELEMENT, element_at
-from runtime.cnc.geometry.polynomials import MAIN_AXES, TERMS
+from runtime.cnc.geometry.polynomial_table import TERMS
+from runtime.cnc.geometry.polynomials import MAIN_AXES
 from runtime.cnc.path_preparation.akima import akima
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.path_preparation.interpolating import InterpolatingCurve

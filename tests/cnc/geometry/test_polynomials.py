@@ -8,12 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from runtime.cnc.geometry.polynomial_table import ROWS, TERMS, WIDTH
 from runtime.cnc.geometry.polynomials import (
     MOST_PARTS,
-    ROWS,
     SPEED_ERROR,
-    TERMS,
-    WIDTH,
     arrange,
     part_of,
     polynomial_at,

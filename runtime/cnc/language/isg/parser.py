@@ -34,7 +34,7 @@ from runtime.cnc.language.isg.words import (
 )
 from runtime.cnc.language.text import MAX_BLOCK
 from runtime.diagnostics.catalogue import language as catalogue
-from runtime.kernels import CACHE
+from runtime.kernel_cache import CACHE
 
 GRAMMAR_TABLES = "block.lark.tables"  # Lark sees by itself whether they are those of the grammar and of its own version
 MAX_PARAMETER = 2**31 - 1
