@@ -245,6 +245,7 @@ class Plc(Model):
     )
     every: int = Field(default=4, ge=1)  # PLC cycle in base cycles
     watchdog: Seconds = 0.05  # longest time without a finished PLC cycle
+    memory: Annotated[int, Field(ge=16)] = 1024  # MB that the program may take
 
 
 class Cycle(Model):

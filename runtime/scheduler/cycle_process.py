@@ -1,7 +1,7 @@
 """The cycle process: fieldbus, interpolator, axes, owner of the HLI; `python -m runtime.scheduler.cycle_process`.
 
-Order of its life: kernels warm ─ shared memories made ─ bus booted ─ real-time privileges ─ cycles ─ on SIGTERM the axes
-brake on the path, the drives are switched off, the process ends.
+Order of its life: kernels warm ─ shared memories made, the others told ─ bus booted ─ real-time privileges ─ cycles ─ on SIGTERM
+the axes brake on the path, the drives are switched off, the process ends.
 """
 
 from __future__ import annotations
@@ -229,6 +229,7 @@ def main() -> int:
         "--others-limit", type=float, default=_OTHERS_LIMIT, help="s that the other processes get to start"
     )
     parser.add_argument("--wake", type=int, default=-1, help="eventfd that wakes the PLC")
+    parser.add_argument("--made", type=int, default=-1, help="eventfd to raise when the shared memories are there")
     arguments = parser.parse_args()
     die_with_parent()
     try:
@@ -242,6 +243,8 @@ def main() -> int:
     signal.signal(signal.SIGTERM, process.ask_to_stop)
     try:
         process.restore()
+        if arguments.made >= 0:
+            os.eventfd_write(arguments.made, 1)
         code = process.run()
     except TandemError as error:
         for problem in error.problems:

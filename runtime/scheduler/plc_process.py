@@ -28,6 +28,7 @@ from runtime.hli.memory import HliMemory
 from runtime.plc_logic.errors import PlcFailure
 from runtime.plc_logic.exchange import ProgramExchange
 from runtime.scheduler.children import die_with_parent, wait_until_raised
+from runtime.scheduler.memory_pressure import PLC_SCORE, give_way, limit_growth
 from runtime.scheduler.plc_program import LoadingBeside, load_host
 from runtime.scheduler.realtime import RefusedError, set_priority
 from runtime.scheduler.retained import state_directory
@@ -41,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the PLC until something ends it; returns the exit code."""
     options = _options(arguments)
     die_with_parent(signal.SIGKILL)  # user code that hangs would not see anything milder
+    give_way(PLC_SCORE)
     stop = _StopRequest()
     try:
         path = DEMO_MACHINE if options.machine == "demo" else Path(options.machine)
@@ -55,6 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except HliError as error:
         return _complain(EXIT_NO_HLI, error.problem.explained())
     with memory:
+        limit_growth(machine.plc.memory)
         try:
             state = state_directory(machine.state_directory, os.environ)
             host = load_host(

@@ -18,6 +18,7 @@ from runtime.hli.memory import HliMemory
 from runtime.kernels import warm_up
 from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent, wait_until_raised
+from runtime.scheduler.memory_pressure import PREPARATION_SCORE, give_way
 from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 from runtime.scheduler.tool_tables import machine_tools
@@ -37,6 +38,7 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     die_with_parent()
+    give_way(PREPARATION_SCORE)
     stopping = False
 
     def stop(_number: int, _frame: FrameType | None) -> None:

@@ -86,7 +86,7 @@ class Supervisor:
         self._store = RetainedStore(state)
         self._lock: TextIO | None = None
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
-        self._made = os.eventfd(0)  # raised as long as the shared memories are there
+        self._made = os.eventfd(0)  # the cycle raises it when the shared memories are there
         self._events: EventRing | None = None
         self.statistics: CycleStatistics | None = None
         self._link: PreparationLink | None = None
@@ -107,11 +107,12 @@ class Supervisor:
         common = ["--name", options.name]
         if options.machine_file is not None:
             common += ["--machine", str(options.machine_file)]
+        patience = ["--others-limit", str(options.start_limit / 2)]
         self.cycle = Child(
             "cycle",
             "runtime.scheduler.cycle_process",
-            [*common, "--wake", str(self._wake), "--others-limit", str(options.start_limit / 2)],
-            [self._wake],
+            [*common, "--wake", str(self._wake), "--made", str(self._made), *patience],
+            [self._wake, self._made],
         )
         self.preparation = Child(
             "preparation",
@@ -161,7 +162,6 @@ class Supervisor:
             child.start()
         self._wait_for_cycle(self._attach)
         self._start_recorder()
-        os.eventfd_write(self._made, 1)
         self._wait_for_cycle(self._others_up)
         assert self.memory is not None
         self.memory.hli.platform.service_ready_w = True

@@ -14,11 +14,12 @@ from pathlib import Path
 import pytest
 
 from runtime.config.loader import load_machine
+from runtime.diagnostics.memory import SHARED_MEMORY
 from runtime.hli import layout
 from runtime.hli.describe import describe_machine, io_bits
 from runtime.hli.errors import HliError
 from runtime.hli.layout import Hli
-from runtime.hli.memory import SHARED_MEMORY, HliMemory, describe_layout, get_text, layout_hash, put_text
+from runtime.hli.memory import HliMemory, describe_layout, get_text, layout_hash, put_text
 
 
 def other_process(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:

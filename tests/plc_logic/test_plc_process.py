@@ -45,11 +45,11 @@ class Rig:
         self.platform = self.memory.hli.platform
         self.process: subprocess.Popen[str] | None = None
 
-    def start(self, program: str | None = None, machine: str = "demo") -> subprocess.Popen[str]:
+    def start(self, program: str | None = None, machine: str = "demo", memory: int = 1024) -> subprocess.Popen[str]:
         """Start the PLC process; with a program text, as the file of a machine of its own."""
         if program is not None:
             (self.folder / "mill.py").write_text(program)
-            text = DEMO_MACHINE.read_text().replace("runtime.demo.plc:DemoMill", "mill.py")
+            text = DEMO_MACHINE.read_text().replace("runtime.demo.plc:DemoMill", f"mill.py\n  memory: {memory}")
             (self.folder / "machine.yaml").write_text(text)
             machine = str(self.folder / "machine.yaml")
         arguments = ["--machine", machine, "--hli", str(self.memory.name), "--wake-fd", str(self.wake_fd)]
@@ -125,6 +125,36 @@ class Mill(Program):
             self.io.clamp_valve = self.pressure / 0
     pressure = 1
 """
+
+
+EATS = """
+from runtime.plc_logic import Program
+
+class Mill(Program):
+    eaten = ()
+    def cycle(self) -> None:
+        self.eaten = (*self.eaten, bytes(10_000_000))
+"""
+
+
+def test_a_program_that_eats_memory_fails_in_its_own_line(rig: Rig) -> None:
+    process = rig.start(EATS, memory=64)
+    assert wait_for(lambda: bool(rig.platform.plc_present_w))
+    assert Path(f"/proc/{process.pid}/oom_score_adj").read_text() == "800\n"
+    cycles = 0
+    while rig.platform.plc_error_count_w == 0 and cycles < 20:
+        rig.cycle()
+        cycles += 1
+        wait_for(
+            lambda: (
+                rig.platform.plc_cycle_done_w == rig.platform.plc_cycle_request_r or rig.platform.plc_error_count_w > 0
+            )
+        )
+    code, said = rig.end()
+    assert code == 4
+    assert "MemoryError" in said
+    assert "mill.py" in said
+    assert 5 <= cycles <= 7, "64 MB are six times ten, or one less"
 
 
 def test_a_program_that_raises_leaves_its_traceback(rig: Rig) -> None:

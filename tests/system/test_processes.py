@@ -50,6 +50,18 @@ def test_a_program_runs_from_start_to_end_and_leaves_its_positions(machine: Runn
     assert '"X": 13' in (machine.state / "retained.json").read_text().replace("129.99", "130")
 
 
+def test_short_of_memory_the_kernel_ends_plc_and_preparation_before_the_cycle(machine: RunningMachine) -> None:
+    machine.start()
+    assert machine.memory.hli.head.running_r
+    names = ("PLC", "preparation", "cycle", "service")
+    scores = {name: int(Path(f"/proc/{machine.pid_of(name)}/oom_score_adj").read_text()) for name in names}
+    assert scores["PLC"] > scores["preparation"] > scores["cycle"]
+    assert scores["cycle"] == scores["service"], "as the unit says"
+    limits = Path(f"/proc/{machine.pid_of('PLC')}/limits").read_text().splitlines()
+    (data,) = (line.split()[3] for line in limits if line.startswith("Max data size"))
+    assert 1_024_000_000 < int(data) < 2_048_000_000
+
+
 def test_sigterm_brings_the_axes_to_rest_and_ends_with_0(machine: RunningMachine, long_program: Path) -> None:
     machine.start()
     machine.order(long_program)

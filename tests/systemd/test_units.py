@@ -68,6 +68,8 @@ def test_the_service_may_do_what_the_runtime_does() -> None:
     assert int(unit["LimitRTPRIO"][0]) >= load_machine(Path("config/machine.yaml")).cycle.priority
     assert unit["LimitMEMLOCK"] == ["infinity"]
     assert "CPUSchedulingPolicy" not in unit
+    assert unit["OOMPolicy"] == ["continue"], "a PLC process that the kernel has ended must not end the service"
+    assert int(unit["OOMScoreAdjust"][0]) < 0
     assert unit["DeviceAllow"] == ["/dev/cpu_dma_latency w"]
     assert f"Environment=NUMBA_CACHE_DIR=/var/cache/{unit['CacheDirectory'][0]}/" in UNIT.read_text(encoding="utf-8")
 

@@ -153,13 +153,13 @@ class Service:
         return int(properties("MainPID")["MainPID"])
 
     def pids(self) -> dict[str, int]:
-        """Its processes: name → process id."""
+        """Its processes: name → process id; one that nobody has thought of is named by its command line."""
         group = Path("/sys/fs/cgroup") / properties("ControlGroup")["ControlGroup"].lstrip("/") / "cgroup.procs"
         found = {}
         for pid in group.read_text().split() if group.exists() else []:
             line = Path(f"/proc/{pid}/cmdline").read_bytes().decode().replace("\0", " ")
             match = re.search(r"runtime\.(?:scheduler\.(\w+)_process|fieldbus\.(simulator))", line)
-            name = (match[1] or match[2]) if match else "service"
+            name = "service" if int(pid) == self.main_pid else (match[1] or match[2]) if match else line
             found[name] = int(pid)
         return found
 
