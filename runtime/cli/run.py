@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from runtime.config.machine import Machine
     from runtime.scheduler.session import Session
 
-_POLL = 0.02  # s; also the distance of the points in the picture
+_POLL = 0.1  # s between two looks at the machine
+_PICTURE = 0.02  # s between the points of a picture
 _TELL_EVERY = 1.0  # s between two lines of state
 DEMO_PROGRAM = Path(__file__).parents[1] / "demo" / "plate.nc"
 
@@ -95,7 +96,7 @@ def command(
             if to_a_reader and now >= tell_at:
                 tell_at = now + _TELL_EVERY
                 _say(session.state_line())
-            time.sleep(_POLL)
+            time.sleep(_POLL if plot is None else _PICTURE)
     finally:
         code = session.stop()
     if program is not None:

@@ -23,8 +23,12 @@ from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 from runtime.scheduler.tool_tables import machine_tools
 
-_IDLE = 0.002  # s between two looks at the link when there is nothing to do
-_FULL = 0.001  # s until the cycle has made room
+_PAUSES = {  # s between two looks at the link; MORE: none
+    PumpState.FULL: 0.001,
+    PumpState.FLUSH: 0.002,
+    PumpState.HELD: 0.002,
+    PumpState.FINISHED: 0.01,  # no program: a hundred looks per second cost the processor next to nothing
+}
 
 
 def main() -> None:
@@ -61,8 +65,8 @@ def main() -> None:
     link.announce()
     while not stopping:
         state = preparation.poll()
-        if state is not PumpState.MORE:
-            time.sleep(_FULL if state is PumpState.FULL else _IDLE)
+        if state in _PAUSES:
+            time.sleep(_PAUSES[state])
     preparation.end()
     queue.close()
     link.close()

@@ -43,7 +43,7 @@ class Story:
         chance = random.Random(11)
         self._boot("first", FIRST_LIMIT)
         self.first = self._seen("first")
-        if "failure" in self.first:
+        if "stop" not in self.first:  # it did not get so far that there is something to survive
             return
         for number in range(POWER_CUTS):
             part = "after" if number else "power"
@@ -70,6 +70,8 @@ class Story:
     def scene(self, name: str) -> Any:
         if name not in self.first:
             pytest.fail(f"the guest did not get to {name}: {self.first.get('failure', self.consoles[0][-4000:])}")
+        if "failure" in self.first[name]:
+            pytest.fail(self.first[name]["failure"])
         return self.first[name]
 
     def frames(self, log: str = "first") -> list[capture.Frame]:

@@ -66,14 +66,27 @@ def first(service: Service, seen: dict[str, Any], folder: Path) -> None:
     service.ready("started")
     for scene in (_processes, _access, _metrics, _milling, _restart, _killed, _frozen, _stop):
         if os.environ.get("ONLY", scene.__name__) == scene.__name__:
-            print(f"-- {scene.__name__}", flush=True)
-            found: dict[str, Any] = {}
-            seen[scene.__name__.strip("_")] = found
-            scene(service, found)
+            seen[scene.__name__.strip("_")] = found = _played(scene, service)
+            if "failure" in found:
+                seen["failure"] = seen.get("failure", "") + found["failure"]
             write(folder, "first", seen)
     run("systemctl", "enable", "tandem")
     journal(folder)
     run("sync")
+
+
+def _played(scene: Callable[[Service, dict[str, Any]], None], service: Service) -> dict[str, Any]:
+    """What was seen in a scene; if it failed, why, and the service is started anew for the next one."""
+    print(f"-- {scene.__name__}", flush=True)
+    found: dict[str, Any] = {}
+    try:
+        scene(service, found)
+    except Exception:
+        found["failure"] = traceback.format_exc()
+        print(found["failure"], flush=True)
+        service.systemctl("restart")
+        service.ready(f"started again behind {scene.__name__}")
+    return found
 
 
 # -- scenes of the first boot ----------------------------------------------------------------------------------------

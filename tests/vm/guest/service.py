@@ -62,9 +62,10 @@ def properties(*names: str, unit: str = UNIT) -> dict[str, str]:
 
 
 def on_card(channel: str) -> dict[str, Any]:
-    """The machine on a card; nodes are not judged by their heartbeats, and drives may start at the same time."""
+    """The machine on a card; drives may start at the same time, neither nodes nor PLC are judged by their signs of life."""
     machine = description(channel)
     machine["fieldbus"]["bus"] |= {"heartbeat_timeout": "30 s", "boot_timeout": "300 s"}
+    machine["plc"] |= {"watchdog": "60 s"}
     return machine
 
 
