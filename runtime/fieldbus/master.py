@@ -107,7 +107,7 @@ class CanopenMaster:
         self._questions = {}
         self._heard_master = False
         self._foreign_sync_told = -math.inf
-        self._drained_at = 0.0  # s, when no frame was left in the queue
+        self._flooded_since = math.inf  # s, the first of the cycles that have left frames in the queue
         self._flood_told = False
         self._asked = 0  # index of the node that was asked last on a bus that is gone
         self._cycle_time = 0.0
@@ -166,7 +166,7 @@ class CanopenMaster:
         except BUS_ERRORS as error:
             raise self._gone_at_start(error) from error
         self._running = self._watch.running = True
-        self._cycle_time = self._watch.now = self._drained_at = self._now()
+        self._cycle_time = self._watch.now = self._now()
         self._io.publish(self._cycle_time)
         for link in self._links:
             if not link.booted:
@@ -272,11 +272,13 @@ class CanopenMaster:
             if not link.lost:
                 link.feedback(image, self._period)
         if drained:
-            self._drained_at, self._flood_told = now, False
+            self._flooded_since, self._flood_told = math.inf, False
             self._watch.look(now)
-        elif now - self._drained_at > self._config.heartbeat_timeout and not self._flood_told:
-            self._flood_told = True
-            self._tell(catalogue.BUS_FLOODED)
+        else:  # what has come while no cycle ran is no flood
+            self._flooded_since = min(self._flooded_since, now)
+            if now - self._flooded_since > self._config.heartbeat_timeout and not self._flood_told:
+                self._flood_told = True
+                self._tell(catalogue.BUS_FLOODED)
         self._io.publish(self._cycle_time)
         self._measure_load()
 

@@ -162,6 +162,17 @@ def test_a_node_that_babbles_without_end_stops_the_path(rig: Rig) -> None:
     assert CATALOGUE[catalogue.BUS_FLOODED.id].reaction is Reaction.STOP_ON_PATH
 
 
+def test_frames_that_have_come_while_no_cycle_ran_are_no_flood(rig: Rig) -> None:
+    """The host has held the cycle for longer than the heartbeat timeout: more waits than a cycle takes, and it is no fault."""
+    frame = can.Message(arbitration_id=0x7F0, data=bytes(8), is_extended_id=False)
+    with can.Bus(interface="virtual", channel=rig.machine.fieldbus.bus.channel) as other:
+        for _ in range(1000):
+            other.send(frame)
+        rig.time += 2.0 * rig.machine.fieldbus.bus.heartbeat_timeout
+        rig.cycle(10)
+    assert catalogue.BUS_FLOODED.id not in rig.event_ids()
+
+
 def recovering(**policy: object) -> Rig:
     description = demo_description()
     description["fieldbus"]["bus"] |= policy

@@ -172,3 +172,17 @@ def test_after_all_that_the_same_program_ends_at_the_same_place(seen: Seen) -> N
 
 def test_the_machine_ends_in_order(seen: Seen) -> None:
     assert seen.scene("exit_code") == 0
+
+
+def test_two_buses_one_of_can_fd_carry_one_machine(seen: Seen) -> None:
+    scene = seen.scene("two_buses")
+    assert scene["refused"] == ""
+    assert ids_of(scene["alarms"]) <= PATIENCE_OF_THE_PLC
+    assert scene["positions"][:3] == pytest.approx([20.0, 20.0, 10.0], abs=0.01)
+    assert scene["exit_code"] == 0
+    fast, classical = scene["fast"], scene["classical"]
+    assert set(fast) >= {"0x80", "0x201", "0x203", "0x181", "0x183"}, "Y and Z, with a SYNC of their own"
+    assert all(kinds == [True] for kinds in fast.values()), "every frame there is one of CAN FD"
+    assert set(classical) >= {"0x80", "0x201", "0x206"}, "X, which shares its number with Y, and the spindle"
+    assert all(kinds == [False] for kinds in classical.values())
+    assert "0x203" not in classical

@@ -45,11 +45,25 @@ def description(channel: str) -> dict[str, Any]:
     return machine
 
 
+def on_two_buses(channel: str, fast: str) -> dict[str, Any]:
+    """The same with Y and Z on a second bus, of CAN FD, where Y has the number that X has on the first one."""
+    machine = description(channel)
+    machine["fieldbus"]["buses"] = {"fast": {**machine["fieldbus"]["bus"], "channel": fast, "fd": True}}
+    machine["axes"][1]["drive"] |= {"bus": "fast", "node": machine["axes"][0]["drive"]["node"]}
+    machine["axes"][2]["drive"] |= {"bus": "fast"}
+    return machine
+
+
 class GuestMachine:
     """Starts and ends the processes; what they print goes to `folder`."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(
+        self, folder: Path, master: dict[str, Any] | None = None, drives: dict[str, Any] | None = None, name: str = NAME
+    ) -> None:
+        """`master`, `drives`: the machine as either side sees it, by default on the two cards; `name` of runtime and files."""
         self.folder = folder
+        self.name = name
+        self.described = {"master": master or description("can0"), "drives": drives or description("can1")}
         self.drives: subprocess.Popen[str] | None = None
         self.wire: subprocess.Popen[str] | None = None
         self.runtime: subprocess.Popen[str] | None = None
@@ -59,10 +73,12 @@ class GuestMachine:
 
     def start(self) -> None:
         files = {}
-        for side, channel in (("master", "can0"), ("drives", "can1")):
-            files[side] = Path(f"/run/tmp/{side}.yaml")
-            files[side].write_text(yaml.safe_dump(description(channel)))
-        self.wire = self._spawn("wire", ["-m", "tests.vm.guest.wire_log", "can0", str(self.folder / "wire.bin")])
+        for side, machine in self.described.items():
+            files[side] = Path(f"/run/tmp/{self.name}-{side}.yaml")
+            files[side].write_text(yaml.safe_dump(machine))
+        channel = self.described["master"]["fieldbus"]["bus"]["channel"]
+        log = self.folder / ("wire.bin" if self.name == NAME else f"wire-{self.name}.bin")
+        self.wire = self._spawn("wire", ["-m", "tests.vm.guest.wire_log", channel, str(log)])
         self.drives = self._spawn(
             "drives", ["-m", "runtime.fieldbus.simulator", "--machine", str(files["drives"]), "--commands"]
         )
@@ -75,7 +91,7 @@ class GuestMachine:
                 "-c",
                 str(files["master"]),
                 "--name",
-                NAME,
+                self.name,
                 "--verbose",
                 "--start-limit",
                 "600",
@@ -83,7 +99,7 @@ class GuestMachine:
         )
 
     def _spawn(self, name: str, arguments: list[str]) -> subprocess.Popen[str]:
-        with (self.folder / f"{name}.txt").open("w") as log:
+        with (self.folder / f"{name}.txt").open("a") as log:
             return subprocess.Popen(
                 [sys.executable, *arguments], stdin=subprocess.PIPE, stdout=log, stderr=log, text=True
             )
@@ -109,7 +125,7 @@ class GuestMachine:
     def attached(self) -> bool:
         if self.memory is None:
             try:
-                memory = HliMemory.attach(NAME)
+                memory = HliMemory.attach(self.name)
             except HliError:
                 return False
             if not memory.hli.head.running_r:

@@ -22,7 +22,7 @@ import can
 from runtime.diagnostics.catalogue import fieldbus
 from runtime.hli.layout import State
 from tests.vm.guest import figures
-from tests.vm.guest.machine import GuestMachine
+from tests.vm.guest.machine import GuestMachine, on_two_buses
 
 Scene = Callable[[GuestMachine, dict[str, Any], Path], None]
 
@@ -52,7 +52,7 @@ N60 M30
 
 
 def links_up() -> None:
-    """The cards as systemd-networkd would set them up, and a virtual interface."""
+    """The cards as systemd-networkd would set them up, and virtual interfaces, one of them with CAN FD."""
     for command in (
         "ip link set can0 type can bitrate 1000000 restart-ms 100",
         "ip link set can0 txqueuelen 100",
@@ -63,6 +63,13 @@ def links_up() -> None:
         "ip link add vcan0 type vcan",
         "ip link set vcan0 txqueuelen 1000",
         "ip link set vcan0 up",
+        "ip link add vcan1 type vcan",
+        "ip link set vcan1 txqueuelen 1000",
+        "ip link set vcan1 up",
+        "ip link add vcan2 type vcan",
+        "ip link set vcan2 mtu 72",
+        "ip link set vcan2 txqueuelen 1000",
+        "ip link set vcan2 up",
     ):
         subprocess.run(command.split(), check=True)
 
@@ -79,6 +86,39 @@ def observe(folder: Path, seen: dict[str, Any]) -> None:
         _scenes(machine, folder, seen)
     finally:
         machine.end()
+    seen["two_buses"] = {}
+    two_buses(folder, seen["two_buses"])
+
+
+def two_buses(folder: Path, scene: dict[str, Any]) -> None:
+    """Another machine, on two virtual interfaces, the second one with frames of CAN FD; it mills the same program."""
+    described = on_two_buses("vcan1", "vcan2")
+    machine = GuestMachine(folder, described, described, "two-buses")
+    try:
+        machine.start()
+        machine.wait_for("running", machine.attached, 900.0)
+        machine.wait_for("enabled", lambda: all(machine.enabled()) and bool(machine.hli.platform.plc_running_r))
+        machine.forget_alarms()
+        scene["refused"] = machine.order_start(Path("/run/tmp/part.nc"))
+        machine.wait_for("milling", lambda: machine.state() is State.ACTIVE)
+        scene["fast"] = _frames("vcan2", fd=True)
+        scene["classical"] = _frames("vcan1", fd=False)
+        machine.wait_for("milled", lambda: machine.state() is not State.ACTIVE)
+        scene |= _look(machine)
+        scene["exit_code"] = machine.stop()
+    finally:
+        machine.end()
+
+
+def _frames(channel: str, *, fd: bool) -> dict[str, list[bool]]:
+    """For a second: which identifiers came, each with the kinds of its frames (TRUE: CAN FD)."""
+    kinds: dict[str, set[bool]] = {}
+    with can.Bus(interface="socketcan", channel=channel, fd=fd) as listener:
+        end = time.monotonic() + 1.0
+        while time.monotonic() < end:
+            if message := listener.recv(0.1):
+                kinds.setdefault(hex(message.arbitration_id), set()).add(message.is_fd)
+    return {identifier: sorted(found) for identifier, found in kinds.items()}
 
 
 def _scenes(machine: GuestMachine, folder: Path, seen: dict[str, Any]) -> None:
