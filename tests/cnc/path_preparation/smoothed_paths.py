@@ -171,17 +171,26 @@ def _borders(block: Block) -> list[tuple[Border, Border]]:
                 lines.append(((a, direction, np.zeros(MAIN)), (b, direction, np.zeros(MAIN))))
         return lines
     if isinstance(block, Arc):
-        fine = _arc(block, 4000)[:, :MAIN]
-        ends = []
-        for at in (0, -3):
-            p = fine[at : at + 3] if at == 0 else fine[-3:]
-            step = np.linalg.norm(p[1] - p[0])
-            direction = (-1.5 * p[0] + 2 * p[1] - 0.5 * p[2]) if at == 0 else (1.5 * p[2] - 2 * p[1] + 0.5 * p[0])
-            ends.append(
-                (p[0] if at == 0 else p[2], direction / np.linalg.norm(direction), (p[0] - 2 * p[1] + p[2]) / step**2)
-            )
-        return [(ends[0], ends[1])]
+        return [(_arc_state(block, 0.0), _arc_state(block, 1.0))]
     return []
+
+
+def _arc_state(arc: Arc, share: float) -> Border:
+    """From the formula of the circle: differences of places would drown in rounding where little is left of an arc."""
+    place = arc.start + share * (arc.end - arc.start)
+    first, second = arc.plane
+    angle = math.radians(arc.angle)
+    x, y = arc.start[first] - arc.centre[0], arc.start[second] - arc.centre[1]
+    x, y = (
+        x * math.cos(angle * share) - y * math.sin(angle * share),
+        x * math.sin(angle * share) + y * math.cos(angle * share),
+    )
+    place[first], place[second] = arc.centre[0] + x, arc.centre[1] + y
+    velocity, acceleration = arc.end - arc.start, np.zeros(len(place))
+    velocity[first], velocity[second] = -angle * y, angle * x
+    acceleration[first], acceleration[second] = -(angle**2) * x, -(angle**2) * y
+    speed = float(np.linalg.norm(velocity[:MAIN]))
+    return place, velocity[:MAIN] / speed, acceleration[:MAIN] / speed**2
 
 
 def _state(c: Floats, u: float) -> Border:
