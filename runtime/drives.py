@@ -206,8 +206,13 @@ _STATES = np.array([DriveState.SWITCH_ON_DISABLED, DriveState.OPERATION_ENABLED]
 class IdealDrives:
     """Drives without dynamics: enabled at once, actual equal to target one cycle later."""
 
-    def __init__(self, n: int, initial_position: Floats | None = None) -> None:
+    def __init__(self, n: int, initial_position: Floats | None = None, period: float = 0.001) -> None:
+        """`period`: of the cycle, s."""
         self.image = DriveImage(n)
+        self._period = period
+        self._driven = (
+            False  # a drive moves by itself: by its velocity, as all modes that can be ordered beside its own do here
+        )
         self._enabled: Flags = np.zeros(n, dtype=np.bool_)
         self._orders_before = b""
         if initial_position is not None:
@@ -220,7 +225,9 @@ class IdealDrives:
 
     def read(self) -> None:
         image = self.image
-        orders = image.enable.tobytes() + image.quick_stop.tobytes() + image.homing_request.tobytes()
+        orders = (
+            image.enable.tobytes() + image.quick_stop.tobytes() + image.homing_request.tobytes() + image.mode.tobytes()
+        )
         if orders != self._orders_before:
             self._orders_before = orders
             np.logical_and(image.enable, ~image.quick_stop, out=self._enabled)
@@ -228,6 +235,12 @@ class IdealDrives:
             image.homing_state[:] = np.where(
                 image.homing_request, HomingState.DONE, HomingState.IDLE
             )  # where it stands
+            np.logical_and(image.mode != DriveMode.CONFIGURED, self._enabled, out=image.by_drive)
+            self._driven = bool(image.by_drive.any())
+        if self._driven:
+            way = np.where(image.by_drive, image.target_velocity * self._period, 0.0)
+            image.actual_position += way
+            np.copyto(image.target_position, image.actual_position, where=image.by_drive)
         np.copyto(image.actual_position, image.target_position, where=self._enabled)
         np.multiply(image.target_velocity, self._enabled, out=image.actual_velocity)
 

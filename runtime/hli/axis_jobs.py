@@ -30,6 +30,8 @@ class Job:
     master: int = 0  # logical axis number, or number of the probe input
     numerator: float = 1.0
     denominator: float = 1.0
+    torque: float = 0.0  # share of the rated torque
+    torque_ramp: float = 0.0  # shares per second, 0: at once
     number: int = 0
 
 
@@ -69,6 +71,7 @@ class JobGiver:
         command.jerk = job.jerk or 0.0
         command.numerator = job.numerator
         command.denominator = job.denominator
+        command.torque, command.torque_ramp = job.torque, job.torque_ramp
         unit.command_semaphor_rw = True
         return self._number
 
@@ -112,6 +115,8 @@ class JobSlot:
                 master=int(command.master),
                 numerator=float(command.numerator),
                 denominator=float(command.denominator),
+                torque=float(command.torque),
+                torque_ramp=float(command.torque_ramp),
                 number=number,
             )
         except ValueError:

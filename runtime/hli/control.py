@@ -33,6 +33,7 @@ from runtime.hli.units import LENGTH, SPEED
 
 FULL_OVERRIDE = 1000  # 0.1 %
 GREATEST_OVERRIDE = 2000  # 0.1 %
+NO_TORQUE_LIMIT = 0xFFFF_FFFF
 
 
 def sample_bool(unit: BoolUnit, present: bool, operator: bool) -> bool:
@@ -271,7 +272,7 @@ class AxisCommands:
         self._axis = axis
         self._control = control
         self._max_override = max_override
-        self._changes = Changes(control, "drive_on", "override_valid")
+        self._changes = Changes(control, "drive_on", "torque_limit_valid")
         self._present_before: bool | None = None
         self._reset = OneShot(control.reset)
         self.drive_on = True  # with torque permission, and no follow-up
@@ -283,6 +284,7 @@ class AxisCommands:
         self.limits: tuple[float, float] | None = None  # dynamic ones, mm or degrees
         self.lag_monitored = True
         self.override = 1.0  # spindles and axes moved alone
+        self.torque_limit = math.inf  # share of the rated torque
         self.reset = False  # TRUE in one cycle only
 
     def sample(self) -> bool:
@@ -313,6 +315,10 @@ class AxisCommands:
             override = FULL_OVERRIDE
         control.override.state_r = override
         self.override = override / FULL_OVERRIDE
+        limited = sample_bool(control.torque_limit_valid, present, False)
+        most = sample_uns32(control.torque_limit, present, NO_TORQUE_LIMIT) if limited else NO_TORQUE_LIMIT
+        control.torque_limit.state_r = most
+        self.torque_limit = math.inf if most == NO_TORQUE_LIMIT else most / FULL_OVERRIDE
         self.reset = self._reset.sample(present)
         return True
 

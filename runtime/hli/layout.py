@@ -170,6 +170,8 @@ class AxisFunction(IntEnum):
     ABORT_TRIGGER = 12
     HOME = 13
     RESET = 14
+    TORQUE_CONTROL = 15  # by the drive, as the limit of a velocity
+    VELOCITY_BY_DRIVE = 16
 
 
 class BufferMode(IntEnum):
@@ -860,6 +862,8 @@ class AxisJob(c.Structure):
         ("jerk", c.c_double),  # mm/s³ or degrees/s³
         ("numerator", c.c_double),  # gear: velocity of the slave = that of the master * numerator / denominator
         ("denominator", c.c_double),
+        ("torque", c.c_double),  # share of the rated torque
+        ("torque_ramp", c.c_double),  # shares per second, 0: at once
     ]
 
 
@@ -915,6 +919,11 @@ class AxisControl(c.Structure):
         ("lag_monitoring_off", BoolUnit),
         ("override", Uns32Unit),  # spindles and axes moved alone, 0.1 %
         ("override_valid", BoolUnit),
+        (
+            "torque_limit",
+            Uns32Unit,
+        ),  # 0.1 % of the rated torque; `state_r`: that in force, 4294967295: none of the machine
+        ("torque_limit_valid", BoolUnit),  # it counts while this is TRUE
     ]
 
 
@@ -928,11 +937,12 @@ class AxisStatus(c.Structure):
         ("target_position_r", c.c_int64),
         ("position_lag_r", c.c_int64),
         ("actual_velocity_r", c.c_int64),
-        ("drive_type_r", c.c_uint32),
+        ("actual_torque_r", c.c_int32),  # 0.1 % of the rated torque; 0 if the drive does not tell it
+        ("drive_type_r", c.c_uint32),  # 4 simulation, 8 CANopen, 16 virtual: an axis without a drive
         ("drive_state_r", c.c_uint32),  # runtime.drives.DriveState
         ("fault_code_r", c.c_uint32),
-        ("ready_for_power_on_r", c.c_bool),
-        ("ready_for_control_loop_on_r", c.c_bool),
+        ("ready_for_power_on_r", c.c_bool),  # the drive is there and in no fault: it can be enabled
+        ("ready_for_control_loop_on_r", c.c_bool),  # it is enabled
         ("in_position_r", c.c_bool),
         ("referenced_r", c.c_bool),
     ]

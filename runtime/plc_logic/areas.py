@@ -473,6 +473,8 @@ class AxisPort(_Area):
     blocked = MaskCommand("directional_feedhold", "Directions (Blocked) in which the axis may not go.")
     lowest = LengthCommand("dyn_pos_limit_low", "Dynamic position limit.")
     highest = LengthCommand("dyn_pos_limit_high", "Dynamic position limit.")
+    torque_limit = PercentCommand("torque_limit", "Torque limit, percent of the rated one, while torque_limited.")
+    torque_limited = BoolCommand("torque_limit_valid", "The torque limit counts.")
     override = PercentCommand("override", "Override of an axis that moves alone, or of a spindle; percent.")
 
     def __init__(self, axis: Axis) -> None:
@@ -541,6 +543,11 @@ class AxisPort(_Area):
     def velocity(self) -> float:
         value: float = self._status.actual_velocity_r * SPEED
         return value
+
+    @property
+    def torque(self) -> float:
+        """Actual torque, percent of the rated one; 0 if the drive does not tell it (`process_data`)."""
+        return float(self._status.actual_torque_r) * PERCENT
 
     @property
     def in_position(self) -> bool:

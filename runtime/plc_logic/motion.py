@@ -42,6 +42,7 @@ __all__ = [
     "MC_MoveRelative",
     "MC_MoveSuperimposed",
     "MC_MoveVelocity",
+    "MC_MoveVelocityByDrive",
     "MC_Phasing",
     "MC_Power",
     "MC_ReadActualPosition",
@@ -52,6 +53,7 @@ __all__ = [
     "MC_Reset",
     "MC_SetOverride",
     "MC_Stop",
+    "MC_TorqueControl",
     "MC_TouchProbe",
 ]
 
@@ -226,6 +228,61 @@ class MC_MoveVelocity(_Execute):  # noqa: N801
 
     @property
     def InVelocity(self) -> bool:  # noqa: N802
+        return self._reached
+
+
+class MC_MoveVelocityByDrive(_Execute):  # noqa: N801
+    """Endless motion that the drive carries out in a velocity mode (`modes` of the drive); InVelocity while it has it.
+
+    Begins at rest, or takes the place of an order to the drive; MC_Halt and MC_Stop end it. It keeps the software limits.
+    """
+
+    __slots__ = ()
+    _FUNCTION = AxisFunction.VELOCITY_BY_DRIVE
+    _INPUTS = ("velocity", "acceleration", "deceleration", "direction")
+
+    def __call__(
+        self,
+        Axis: AxisPort,
+        Execute: bool,
+        Velocity: float = 0.0,
+        Acceleration: float = 0.0,
+        Deceleration: float = 0.0,
+        Direction: Direction = Direction.POSITIVE,
+    ) -> Self:
+        return self._order(Axis, Execute, Velocity, Acceleration, Deceleration, Direction)
+
+    @property
+    def InVelocity(self) -> bool:  # noqa: N802
+        return self._reached
+
+
+class MC_TorqueControl(_Execute):  # noqa: N801
+    """A torque (share of the rated one, with its sign) up to a velocity; InTorque while the drive tells that torque.
+
+    TorqueRamp in shares per second, 0: at once. The drive does it in a velocity mode with a torque limit (`modes`, and torque
+    and torque_limit in `process_data` of the drive). Ends as MC_MoveVelocityByDrive.
+    """
+
+    __slots__ = ()
+    _FUNCTION = AxisFunction.TORQUE_CONTROL
+    _INPUTS = ("torque", "torque_ramp", "velocity", "acceleration", "deceleration", "direction")
+
+    def __call__(
+        self,
+        Axis: AxisPort,
+        Execute: bool,
+        Torque: float = 0.0,
+        TorqueRamp: float = 0.0,
+        Velocity: float = 0.0,
+        Acceleration: float = 0.0,
+        Deceleration: float = 0.0,
+        Direction: Direction = Direction.POSITIVE,
+    ) -> Self:
+        return self._order(Axis, Execute, Torque, TorqueRamp, Velocity, Acceleration, Deceleration, Direction)
+
+    @property
+    def InTorque(self) -> bool:  # noqa: N802
         return self._reached
 
 

@@ -139,7 +139,9 @@ class Controller:
         self.compensation = AxisCompensation(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
-        self.jobs = MachineJobs(machine, hli, drives.image, self._path_list, self.channel.jobs.ordered, self)
+        self.jobs = MachineJobs(
+            machine, hli, drives.image, self._path_list, self.channel.jobs.ordered, self, self.orders.torque_limits
+        )
         self.beside.commands = self.orders.manual
         self.supervision.lag_monitored = self.orders.lag_monitored
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
@@ -169,6 +171,8 @@ class Controller:
         self.drives.read()
         self.publisher.inputs()
         self.orders.sample(time)
+        if self.orders.torque_limits_changed:
+            self._limit_torques()
         self._watch_axes()
         self._watch_plc()
         self.publisher.outputs()
@@ -271,6 +275,15 @@ class Controller:
         while self.channel.problems:
             found.append(self.channel.problems.popleft())
         return found
+
+    def _limit_torques(self) -> None:
+        """The PLC has changed a torque limit. One that the drive does not get is no limit: the machine stops."""
+        limits = self.orders.torque_limits
+        self.drives.image.torque_limit[:] = limits
+        for i in np.flatnonzero(np.isfinite(limits)).tolist():
+            drive = self.machine.axes[i].drive
+            if drive is None or "torque_limit" not in drive.process_data:
+                self.alarm(Problem(alarms.TORQUE_LIMIT_UNKNOWN, {"axis": self.machine.axes[i].name}), i)
 
     # ------------------------------------------------------------------ watching
 

@@ -35,6 +35,8 @@ class Orders:
         self._rapid_mode = described.parameters.g00_override_mode
         self.drives_on: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
         self.lag_monitored: npt.NDArray[np.bool_] = np.ones(len(machine.axes), dtype=np.bool_)
+        self.torque_limits: npt.NDArray[np.float64] = np.full(len(machine.axes), np.inf)  # share of the rated torque
+        self.torque_limits_changed = False  # in this cycle
         self.park: npt.NDArray[np.bool_] = np.zeros(len(machine.axes), dtype=np.bool_)  # wanted
         self.mode = Mode.STANDBY
         self.state = State.SELECTED
@@ -52,7 +54,7 @@ class Orders:
         commands = self._channel_commands
         commands.sample()
         self.manual.sample(self._channel.plc_present_w, time)
-        changed = False
+        changed = self.torque_limits_changed = False
         for axis in self._axis_commands:
             if axis.sample():
                 changed = True
@@ -60,6 +62,9 @@ class Orders:
             self._sample_path_axes()
             self.drives_on[:] = [axis.drive_on for axis in self._axis_commands]
             self.lag_monitored[:] = [axis.lag_monitored for axis in self._axis_commands]
+            limits = [axis.torque_limit for axis in self._axis_commands]
+            self.torque_limits_changed = limits != self.torque_limits.tolist()
+            self.torque_limits[:] = limits
             self.park[:] = [axis.parked for axis in self._axis_commands]
             self._reset_ordered = self._reset_ordered or any(axis.reset for axis in self._axis_commands)
         inputs = self.inputs

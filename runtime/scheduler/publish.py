@@ -26,15 +26,16 @@ _DWELL = int(StopCondition.DWELL)
 _FEED_HOLD = int(StopCondition.FEED_HOLD | StopCondition.AXIS_FEED_HOLD)
 _AXIS_READY, _AXIS_ACTIVE = int(AxisState.READY), int(AxisState.ACTIVE)
 _AXIS_HOLD, _AXIS_ERROR = int(AxisState.HOLD), int(AxisState.ERROR)
-_ENABLED, _READY = int(DriveState.OPERATION_ENABLED), int(DriveState.READY_TO_SWITCH_ON)
-_CANOPEN = 8
-_SIMULATION = 4
+# The master takes a drive out of "switch on disabled" when it is to be enabled, and not before.
+_ENABLED, _CAN_BE_ENABLED = int(DriveState.OPERATION_ENABLED), int(DriveState.SWITCH_ON_DISABLED)
+_SIMULATION, _CANOPEN, _VIRTUAL = 4, 8, 16  # drive_type_r
 _AXIS_ELEMENTS = (
     "status.axis_state_r",
     "status.command_position_r",
     "status.actual_position_r",
     "status.position_lag_r",
     "status.actual_velocity_r",
+    "status.actual_torque_r",
     "status.drive_state_r",
     "status.fault_code_r",
     "status.ready_for_power_on_r",
@@ -50,6 +51,7 @@ def _fill_axes(
     target: Floats,
     actual: Floats,
     velocity: Floats,
+    torque: Floats,
     lag: Floats,
     window: Floats,
     state: npt.NDArray[np.int8],
@@ -68,9 +70,10 @@ def _fill_axes(
         area["actual_position_r"] = int(actual[i] * LENGTH)
         area["position_lag_r"] = int(lag[i] * LENGTH)
         area["actual_velocity_r"] = int(velocity[i] * SPEED)
+        area["actual_torque_r"] = int(torque[i] * 1000.0)
         area["drive_state_r"] = state[i]
         area["fault_code_r"] = fault_code[i]
-        area["ready_for_power_on_r"] = _READY <= state[i] <= _ENABLED
+        area["ready_for_power_on_r"] = _CAN_BE_ENABLED <= state[i] <= _ENABLED
         area["ready_for_control_loop_on_r"] = enabled
         area["in_position_r"] = in_position
         area["error_r"] = faults[i] != 0
@@ -89,7 +92,8 @@ def _fill_axes(
 def _warm() -> None:
     areas = records(Hli().axes, 1, *_AXIS_ELEMENTS)
     floats, states = np.zeros(1), np.zeros(1, dtype=np.int8)
-    _fill_axes(areas, floats, floats, floats, floats, floats, states, states, np.zeros(1, dtype=np.int32), False, False)
+    codes = np.zeros(1, dtype=np.int32)
+    _fill_axes(areas, floats, floats, floats, floats, floats, floats, states, states, codes, False, False)
 
 
 class Publisher:
@@ -121,7 +125,8 @@ class Publisher:
         self._valid_before = b""
         describe_machine(hli, machine)
         for axis, described in zip(hli.axes, machine.axes, strict=False):
-            axis.status.drive_type_r = _CANOPEN if real else _SIMULATION
+            there = described.drive is not None
+            axis.status.drive_type_r = (_CANOPEN if real else _SIMULATION) if there else _VIRTUAL
             axis.status.referenced_r = described.homing is None  # see `_beside` for the path axes
         self._path_areas = [hli.axes[machine.axis_index(name)] for name in machine.channels[0].axes]
         self._interruption = self._status.interruption
@@ -181,6 +186,7 @@ class Publisher:
             image.target_position,
             image.actual_position,
             image.actual_velocity,
+            image.actual_torque,
             supervision.lag,
             supervision.window,
             image.state,

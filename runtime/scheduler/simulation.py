@@ -164,7 +164,7 @@ class Simulation:
 
     def _build_drives(self, ideal: bool, start: Floats | None) -> tuple[DriveSystem, Callable[[], None]]:
         if ideal:
-            drives = IdealDrives(len(self.machine.axes), start)
+            drives = IdealDrives(len(self.machine.axes), start, self.period)
             plant = PlantOnImage(self.machine, drives.image, self.plant, lambda: self.time)
             plant.step()  # the first cycle sees the inputs as they are
             every = self.machine.plc.every  # nobody looks at the inputs more often

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from runtime.cnc.axes.job_probe import DRIVE_PROBES
-from runtime.cnc.axes.job_values import MOVES, SUPERIMPOSED, AxisCycle, wrong_values
+from runtime.cnc.axes.job_values import BY_DRIVE, MOVES, SUPERIMPOSED, AxisCycle, wrong_values
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Problem
 from runtime.hli.axis_jobs import Job
-from runtime.hli.layout import AxisFunction, MotionState
+from runtime.hli.layout import AxisFunction, BufferMode, MotionState
 
 if TYPE_CHECKING:
     from runtime.cnc.axes.jobs import AxisJobs
@@ -40,11 +40,30 @@ def _taken(jobs: AxisJobs, job: Job, cycle: AxisCycle) -> Problem | None:
         return jobs.problem(errors.JOB_STOPPING, job)
     if jobs.homes and function not in (AxisFunction.STOP, AxisFunction.HALT):
         return jobs.problem(errors.JOB_HOMES, job)
+    stops = function in (AxisFunction.STOP, AxisFunction.HALT)
+    if jobs.driven and not ((stops or function in BY_DRIVE) and job.buffer_mode is BufferMode.ABORTING):
+        return jobs.problem(errors.JOB_BY_DRIVE, job)
+    if function in BY_DRIVE:
+        return _no_drive(jobs, job)
     if function is AxisFunction.HOME and not jobs.absolute:
         if jobs.homing is None or (cycle.cam is None and not jobs.homing.by_drive):
             return jobs.problem(errors.JOB_HOME, job)
         if jobs.moving:
             return jobs.problem(errors.JOB_HOME_MOVES, job)
+    return None
+
+
+def _no_drive(jobs: AxisJobs, job: Job) -> Problem | None:
+    """The drive cannot move the axis by itself, or not now."""
+    order = jobs.drive
+    if order is None or order.mode is None:
+        what = "none of cyclic_synchronous_velocity and profile_velocity is among its `modes`"
+        return jobs.problem(errors.JOB_NO_DRIVE_MODE, job, what=what)
+    if job.function is AxisFunction.TORQUE_CONTROL and not order.limits_torque:
+        what = "torque and torque_limit are not both in its `process_data`"
+        return jobs.problem(errors.JOB_NO_DRIVE_MODE, job, what=what)
+    if job.buffer_mode is not BufferMode.ABORTING or (jobs.moving and not jobs.driven):
+        return jobs.problem(errors.JOB_DRIVE_MOVES, job)
     return None
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.axes.axis_plan import Dynamics
+from runtime.cnc.axes.drive_order import VELOCITY_MODES, DriveOrder
 from runtime.cnc.axes.gear import MasterPlaces
 from runtime.cnc.axes.homing import AxisHoming, HomingDrive
 from runtime.cnc.axes.job_probe import DRIVE_PROBES
@@ -27,6 +28,7 @@ from runtime.drives import (
     PROBE_ON,
     PROBE_RISING,
     DriveImage,
+    DriveMode,
 )
 from runtime.hli.axis_jobs import Answer, JobSlot
 from runtime.hli.layout import Hli, JobState, MotionState
@@ -42,6 +44,25 @@ def _probes(axis: Axis) -> frozenset[tuple[int, int]]:
     edges = {"rising": 2, "falling": 1}
     names = [name.split("_") for name in axis.drive.process_data if name.startswith("probe_")]
     return frozenset((DRIVE_PROBES + int(number) - 1, edges[edge]) for _, number, edge in names)
+
+
+def _drive_order(
+    axis: Axis, i: int, image: DriveImage, period: float, torque_limits: npt.NDArray[np.float64]
+) -> DriveOrder:
+    """What the drive of an axis can be told to do by itself."""
+    drive = axis.drive
+    assert drive is not None
+    offered = {DriveMode[name.upper()] for name in drive.modes} - {drive.runs_in(spindle=False)}
+    return DriveOrder(
+        image,
+        i,
+        period,
+        -np.inf if axis.position_min is None else axis.position_min,
+        np.inf if axis.position_max is None else axis.position_max,
+        mode=next((mode for mode in VELOCITY_MODES if mode in offered), None),
+        limits_torque={"torque", "torque_limit"} <= set(drive.process_data),
+        machine_limits=torque_limits,
+    )
 
 
 class References(Protocol):
@@ -68,10 +89,12 @@ class MachineJobs:
         path: list[int],
         ordered: deque[tuple[int, Followed]] | None = None,
         references: References | None = None,
+        torque_limits: npt.NDArray[np.float64] | None = None,
     ) -> None:
         """`path`: indices of the axes of the channel; `ordered`: jobs of its program with their axes, taken in every cycle.
 
         `references`: who knows cams and references of the axes; without it no axis can look for its reference.
+        `torque_limits` (n,): of the PLC.
         """
         self._references = references
         self._ordered = deque[tuple[int, Followed]]() if ordered is None else ordered
@@ -102,6 +125,10 @@ class MachineJobs:
         for i, (axis, jobs) in enumerate(zip(machine.axes, self.axes, strict=True)):
             if jobs is not None and axis.homing is not None and references is not None:
                 jobs.homing = AxisHoming(axis, jobs.base, HomingDrive(image, i), period)
+        allowed = np.full(len(machine.axes), np.inf) if torque_limits is None else torque_limits
+        for i, (axis, jobs) in enumerate(zip(machine.axes, self.axes, strict=True)):
+            if jobs is not None and axis.drive is not None:
+                jobs.drive = _drive_order(axis, i, image, period, allowed)
         self._slots = [JobSlot(hli.axes[i]) for i in range(len(machine.axes))]
         self._units = [slot.unit for slot in self._slots]
         self._armed = [False] * len(machine.axes)  # the drive waits for the edge of its probe

@@ -20,6 +20,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from runtime.cnc.axes.axis_plan import Dynamics
+from runtime.cnc.axes.drive_order import DriveOrder
 from runtime.cnc.axes.gear import Gear, MasterPlaces
 from runtime.cnc.axes.homing import AxisHoming, HomingPhase
 from runtime.cnc.axes.job_motion import JobMotion
@@ -27,6 +28,7 @@ from runtime.cnc.axes.job_probe import JobProbe
 from runtime.cnc.axes.job_refusals import aims_beyond, refusal
 from runtime.cnc.axes.job_values import (
     ACTUAL_VALUES,
+    BY_DRIVE,
     MOVES,
     PHASE_COMPENSATION,
     STATES,
@@ -72,6 +74,7 @@ class AxisJobs:
         self.base = self.motion.base
         self.homing: AxisHoming | None = None  # of `base`; of an axis that has to look for its reference
         self._on_cam = False  # where homing begins
+        self.drive: DriveOrder | None = None  # of an axis whose drive may move it by itself
         self.current: Followed | None = None
         self.following: Followed | None = None
         self._added: Followed | None = None  # superimposed
@@ -142,6 +145,8 @@ class AxisJobs:
         self.current = self.following = self._added = None
         if self.homes and self.homing is not None:
             self.homing.cancel()
+        elif self.driven and self.drive is not None:
+            self.drive.brake()
         else:
             self.base.stop()
         self.error = errors.JOB_STOPPED.id
@@ -155,6 +160,8 @@ class AxisJobs:
         self.current = self.following = self._added = self.motion.gear = None
         if self.homes and self.homing is not None:
             self.homing.forget()
+        if self.driven and self.drive is not None:
+            self.drive.forget()
         self.owned = False
 
     def reset(self) -> None:
@@ -177,6 +184,9 @@ class AxisJobs:
         if self.homes and self.homing is not None:
             self._home(self.homing, cycle)
             return self.position
+        if self.driven and self.drive is not None:
+            self._follow_drive(self.drive, cycle)
+            return None
         stopping = self.current is None or self.current.job.function in (AxisFunction.STOP, AxisFunction.HALT)
         gear = self.motion.gear
         if gear is not None:
@@ -191,6 +201,28 @@ class AxisJobs:
             self._tell(self._added, JobState.DONE)
             self._added = None
         return self.position
+
+    @property
+    def driven(self) -> bool:
+        """The drive moves the axis by itself, or comes to rest from that."""
+        return self.drive is not None and not self.drive.over
+
+    def _follow_drive(self, drive: DriveOrder, cycle: AxisCycle) -> None:
+        """One cycle of an axis that its drive moves: it tracks, and goes on from where it stands."""
+        current = self.current
+        drive.step(cycle.override, cycle.hold)
+        if drive.over:
+            self.motion.begin(cycle.actual)
+            return
+        if current is None or current.job.function not in BY_DRIVE:
+            return
+        if drive.late or drive.at_limit:
+            entry = errors.JOB_DRIVE_LATE if drive.late else errors.JOB_AT_LIMIT
+            self._fail(current, self.problem(entry, current.job))
+            self.current = None
+            drive.brake()
+            return
+        self._tell(current, JobState.REACHED if drive.reached else JobState.ACTIVE)
 
     @property
     def homes(self) -> bool:
@@ -225,7 +257,7 @@ class AxisJobs:
     @property
     def standing(self) -> bool:
         """The set-point rests."""
-        return not self.owned or (self.motion.standing and not self.homes)
+        return not self.owned or (self.motion.standing and not self.homes and not self.driven)
 
     @property
     def moving(self) -> bool:
@@ -327,6 +359,10 @@ class AxisJobs:
         elif function is AxisFunction.HOME and self.homing is not None:
             self.motion.begin(self.position)
             self.homing.begin(self._on_cam)
+        elif function in BY_DRIVE and self.drive is not None:
+            self.drive.begin(job, dynamics)
+        elif self.driven and self.drive is not None:
+            self.drive.brake(dynamics)
         elif function in MOVES:
             self.base.move_to(target - self.motion.offset, dynamics)
         elif function is AxisFunction.MOVE_VELOCITY:

@@ -83,6 +83,26 @@ JOB_NO_PROBE = _entry(
     "axis {axis}: its drive does not exchange this edge of its touch probe {number}",
     "name it in `process_data` of the drive (probe_1_rising, probe_1_falling, probe_2_rising, probe_2_falling)",
 )
+JOB_BY_DRIVE = _entry(
+    308044,
+    "axis {axis}: {function} is refused while the drive moves the axis by itself",
+    "stop it first (MC_Halt, MC_Stop); only another order to the drive takes its place at once",
+)
+JOB_NO_DRIVE_MODE = _entry(
+    308045,
+    "axis {axis}: {function} is nothing that its drive does: {what}",
+    "name them in the machine description, if the drive has them",
+)
+JOB_DRIVE_MOVES = _entry(
+    308046,
+    "axis {axis}: {function} begins at rest only, and a job moves the axis",
+    "wait for the end of the job, or stop it (MC_Stop)",
+)
+JOB_DRIVE_LATE = _entry(
+    308047,
+    "axis {axis}: {function} was stopped, the drive has not gone into its velocity mode",
+    "the manual of the drive tells whether it changes its mode while it is enabled",
+)
 JOB_RUNS = ErrorEntry(
     308017,
     "a job of the PLC moves axis {axis}: no program can start",

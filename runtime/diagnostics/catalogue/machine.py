@@ -132,6 +132,12 @@ NOT_REFERENCED = ErrorEntry(
     "the program does not start: axis {axis} has no reference",
     remedy="home it: mode HOMING with the blocks G74 {axis}1",
 )
+TORQUE_LIMIT_UNKNOWN = ErrorEntry(
+    306049,
+    "the PLC limits the torque of axis {axis}, and its drive gets no torque limit",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="name torque_limit in `process_data` of the drive",
+)
 OFFSET_LEAVES = ErrorEntry(
     306033,
     "the program would take axis {axis}, which stands {offset:.3f} beside the path, over its software limit",
