@@ -47,8 +47,8 @@ class BackwardMotion:
     def __init__(self, path: Interpolator, capacity: int, stops: RepeatedStops) -> None:
         self._path = path
         self._stops = stops
-        self._storage = PathStorage(path.queue.n_axes, capacity)
-        self._track = Track(self._storage.queue)
+        self.storage = PathStorage(path.queue.n_axes, capacity)
+        self._track = Track(self.storage.queue)
         self._way = Way.ONWARD
         self._after_turn = Way.ONWARD  # which way the path had before it began to turn
         self._off = False
@@ -61,7 +61,7 @@ class BackwardMotion:
     @property
     def replaying(self) -> bool:
         """The path is on what was kept, and not on the queue of the program."""
-        return self._path.queue is self._storage.queue
+        return self._path.queue is self.storage.queue
 
     @property
     def holds(self) -> bool:
@@ -71,7 +71,7 @@ class BackwardMotion:
     @property
     def at_begin(self) -> bool:
         """The path stands where what is kept begins: it goes no further backward."""
-        path, storage = self._path, self._storage
+        path, storage = self._path, self.storage
         return self._way is Way.BACKWARD and storage.ended and path.nothing_known and path.standstill
 
     @property
@@ -82,7 +82,7 @@ class BackwardMotion:
     @property
     def stored(self) -> int:
         """Records that are kept."""
-        return self._storage.count
+        return self.storage.count
 
     # ------------------------------------------------------------------ the program
 
@@ -90,7 +90,7 @@ class BackwardMotion:
         """A program starts; `off`: nothing of it is kept."""
         self.end()
         self._off = off
-        self._storage.begin(self._path.queue.read)
+        self.storage.begin(self._path.queue.read)
 
     def end(self) -> None:
         """The program is over, or its path: back to its queue. The caller lets the interpolator begin anew."""
@@ -102,14 +102,14 @@ class BackwardMotion:
     def clear(self) -> None:
         """Where the path is now, nothing lies behind it."""
         if not self.replaying:
-            self._storage.clear()
+            self.storage.clear()
 
     # ------------------------------------------------------------------ the cycle
 
     def step(self, wanted: bool, simulated: bool, mask: int) -> None:
         """Before the interpolator: turn where the path stands, fill what is driven next."""
         self.changed = False
-        if not self._storage.capacity or self._off:
+        if not self.storage.capacity or self._off:
             return
         path = self._path
         if self._way is Way.TURNING:
@@ -119,19 +119,19 @@ class BackwardMotion:
             self._turn(wanted)
         if not self.replaying:
             return
-        self._storage.fill(simulated, mask)
-        if self._way is Way.REPEATING and self._storage.ended and path.nothing_known and path.standstill:
+        self.storage.fill(simulated, mask)
+        if self._way is Way.REPEATING and self.storage.ended and path.nothing_known and path.standstill:
             self._onward(0.0)
 
     def follow(self) -> None:
         """Behind the interpolator: keep what it has passed."""
         path = self._path
-        if self._storage.capacity and not self._off and not self.replaying:
-            self._storage.follow(path.queue, min(path.reported, path.next_index))
+        if self.storage.capacity and not self._off and not self.replaying:
+            self.storage.follow(path.queue, min(path.reported, path.next_index))
 
     @property
     def _anything_behind(self) -> bool:
-        return self._storage.count > 0 or self._path.inside > 0.0
+        return self.storage.count > 0 or self._path.inside > 0.0
 
     # ------------------------------------------------------------------ turning
 
@@ -151,7 +151,7 @@ class BackwardMotion:
             self._forward_again()
 
     def _backward_from_program(self) -> None:
-        path, storage = self._path, self._storage
+        path, storage = self._path, self.storage
         here, way, inside = path.next_index, path.path_position, path.inside
         known = here < path.queue.written and path.queue.kind(here) <= _MOTION
         storage.turn(storage.next - 1, -1, self._stops.backward, inside=False)
@@ -165,7 +165,7 @@ class BackwardMotion:
         self._way = Way.BACKWARD
 
     def _backward_again(self) -> None:
-        path, storage = self._path, self._storage
+        path, storage = self._path, self.storage
         here, way, inside = path.next_index, path.path_position, path.inside
         at, left = storage.next - 1, 0.0
         turns_inside = False
@@ -179,7 +179,7 @@ class BackwardMotion:
 
     def _forward_again(self) -> None:
         """From where the path stands in what was driven backward; back in the program at once if it has not left its element."""
-        path, storage = self._path, self._storage
+        path, storage = self._path, self.storage
         here, way = path.next_index, path.path_position
         inside = 0.0
         if here >= path.queue.written:

@@ -271,6 +271,9 @@ class HliAccess(Model):
         return {"none": 0o600, "read": 0o640, "command": 0o660}[self.group]
 
 
+KeyframesWhen = Literal["always", "standstill", "drives_off"]
+
+
 class Recorder(Model):
     """The flight recorder: what the cycle takes in and gives out, for `tandem replay`."""
 
@@ -278,7 +281,7 @@ class Recorder(Model):
     minutes: Annotated[float, Field(gt=0)] = 10.0  # that are kept while the machine runs
     size: Annotated[int, Field(ge=8)] = 1024  # MB of the disk that they may take
     keyframe_every: Seconds = 30.0  # a replay begins at a keyframe
-    keyframes: Literal["drives_off", "standstill"] = "drives_off"  # when one may be taken: it makes a cycle late
+    keyframes: KeyframesWhen = "always"  # when one may be taken: it makes a cycle longer
     saved: Annotated[int, Field(ge=0)] = 5  # recordings of alarms that are kept
 
 

@@ -725,6 +725,8 @@ class Platform(c.Structure):
         ("service_ready_w", c.c_bool),  # the service process: every other process is up, the bus may boot
         ("process_lost_w", c.c_uint64),  # the service process counts up, after the text
         ("process_lost_text_w", c.c_char * TEXT),
+        ("not_retained_w", c.c_bool),  # the service process: retained data cannot be written; set after the text
+        ("not_retained_text_w", c.c_char * TEXT),
     ]
 
 

@@ -12,13 +12,14 @@ Nothing here waits, and nothing grows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.motion_queue import RECORD, MotionQueue, RecordKind
+from runtime.cnc.interpolator.path_storage import PathStorage
+from runtime.cnc.motion_queue import MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.cnc.queue_limits import SETS
 from runtime.cnc.queue_texts import TEXTS
@@ -27,22 +28,23 @@ from runtime.drives import DriveImage, DriveSystem
 from runtime.hli.memory import HliMemory
 from runtime.kernels import kernel, warms
 from runtime.recorder.areas import WHOLE_WORDS, Area, words_of
+from runtime.recorder.keyframes import RECORD_WORDS, Keyframes, stage_records
 from runtime.recorder.machine_areas import hli_area, link_area
-from runtime.recorder.record import GAP, HEAD, KEYFRAME, STATE_FOLLOWS, Section, text_words
+from runtime.recorder.record import GAP, HEAD, KEYFRAME, Section, text_words
 from runtime.recorder.ring import RecorderRing
-from runtime.recorder.state import Capture, Outside, StateError
+from runtime.recorder.state import Outside, StateError
 
 Words = npt.NDArray[np.int64]
 Numbers = npt.NDArray[np.int64]
-STAGE = 1 << 17  # words of the longest record: a keyframe has some 40000, a cycle some 30
+STAGE = 1 << 17  # words of the longest record: the first keyframe has some 46000, a cycle some 30
 RECORDS_PER_CYCLE = 256  # of the motion queue
-RECORD_WORDS = RECORD.itemsize // 8
+AGAIN_PER_CYCLE = 64  # behind a keyframe, since all of the queue comes again
 # plain numbers: an enum as the argument of a kernel is slow
 _FIGURES, _IMAGE, _HLI, _LINK = (int(kind) for kind in (Section.FIGURES, Section.IMAGE, Section.HLI, Section.LINK))
 _BEFORE_PLC, _AFTER_PLC = int(Section.BEFORE_PLC), int(Section.AFTER_PLC)
 _HLI_OUT, _LINK_OUT, _IMAGE_OUT = int(Section.HLI_OUT), int(Section.LINK_OUT), int(Section.IMAGE_OUT)
 _QUEUE_READ = int(Section.QUEUE_READ) << 32 | 1  # with its length
-_POLYNOMIAL, _AHEAD = int(RecordKind.POLYNOMIAL), int(RecordKind.FUNCTION_AHEAD)
+_AHEAD = int(RecordKind.FUNCTION_AHEAD)
 
 
 class Plc(Protocol):
@@ -68,24 +70,6 @@ def _copy(source: object, target: object) -> None:
 
 
 @kernel
-def _stage_records(
-    records: Words, polynomials: Words, kinds: Numbers, first: int, count: int, out: Words, at: int
-) -> int:
-    """Queue records from absolute index `first` on, as a section's content; (capacity, words) each."""
-    capacity = records.shape[0]
-    for index in range(first, first + count):
-        slot = index % capacity
-        for k in range(records.shape[1]):
-            out[at + k] = records[slot, k]
-        at += records.shape[1]
-        if kinds[slot] == _POLYNOMIAL:
-            for k in range(polynomials.shape[1]):
-                out[at + k] = polynomials[slot, k]
-            at += polynomials.shape[1]
-    return at
-
-
-@kernel
 def _count_ahead(kinds: Numbers, first: int, end: int, kind: int) -> int:
     found = 0
     for index in range(first, end):
@@ -96,10 +80,7 @@ def _count_ahead(kinds: Numbers, first: int, end: int, kind: int) -> int:
 
 @warms("border of the cycle")
 def _warm() -> None:
-    words = np.zeros((1, 2), dtype=np.int64)
-    kinds = np.zeros((1, 2), dtype=np.int64)[:, 0]
-    _stage_records(words, words, kinds, 0, 1, np.zeros(8, dtype=np.int64), 0)
-    _count_ahead(kinds, 0, 1, 7)
+    _count_ahead(np.zeros((1, 2), dtype=np.int64)[:, 0], 0, 1, 7)
 
 
 class Border:
@@ -116,9 +97,7 @@ class Border:
         self._calls: list[object] = []
         self._gap = False
         self.wall_ns = 0
-        self.root: object = None  # whose state stands in keyframes; without it only the first cycle has one
-        self.still: Callable[[], bool] = lambda: True  # nothing moves: a cycle that takes longer is felt by nobody
-        self._pieces: Iterator[bytes] | None = None
+        self.may_take: Callable[[], bool] = lambda: True  # a keyframe, in this cycle
         self._figures = np.zeros(4)
         self.cycle = 0
         own = memories.queue
@@ -130,12 +109,16 @@ class Border:
         self._sets: Words = own.limits.sets.view(np.int64).reshape(SETS, -1)
         self._seen = [0, 0, 0]  # names, texts, sets that are recorded
         self._recorded = 0  # records of the queue
+        self._at_once = RECORDS_PER_CYCLE
         self._read = -1  # the record that the cycle has told last
         self._own_counters, self._shared_counters = own.counters, memories.shared_queue.counters
         self.keyframe_wanted = True
 
-    def settle(self) -> None:
-        """The controller is built and has described the machine: everybody sees it, and from here on changes are told apart."""
+    def settle(self, root: object = None, storage: PathStorage | None = None) -> None:
+        """The controller is built and has described the machine: everybody sees it, and from here on changes are told apart.
+
+        `root`: whose state stands in keyframes, without it only the first cycle has one; `storage`: its way that is kept.
+        """
         memories = self._memories
         self.hli = hli_area(self._machine, memories.shared_hli.hli, memories.hli.hli)
         _copy(memories.hli.hli, memories.shared_hli.hli)
@@ -143,6 +126,14 @@ class Border:
         words, figures = self._image.words, self._figures.view(np.int64)
         self.image, self.figures = Area(words, words, WHOLE_WORDS), Area(figures, figures, WHOLE_WORDS)
         self.areas = (self.hli, self.link, self.image, self.figures)
+        outside = outside_of(memories.hli, memories.link, memories.queue, self._image, storage)
+        self._keyframes = Keyframes(self.areas, root, outside, storage)
+        self._no_more = root is None
+
+    @property
+    def busy(self) -> bool:
+        """A keyframe is wanted, or not yet told to its end."""
+        return self.keyframe_wanted or self._keyframes.telling
 
     # ------------------------------------------------------------------ the cycle
 
@@ -157,11 +148,15 @@ class Border:
         out[4] = 0
         self._at = HEAD
         if self._ring.take_wish():
-            self.keyframe_wanted = self.root is not None
-        if self.keyframe_wanted and (self.cycle == 1 or self._may_take_keyframe()):
+            self.keyframe_wanted = not self._no_more
+        if self._keyframes.telling:
+            if self._at_once == RECORDS_PER_CYCLE:  # the queue is told: one thing after the other
+                kind, words = self._keyframes.tell()
+                self._section(kind, words)
+                if kind == Section.KEYFRAME_END and not words[0]:
+                    self.keyframe_wanted = True  # given up
+        elif self.keyframe_wanted:
             self._keyframe()
-        if self._pieces is not None:
-            self._next_piece()
         if self._calls:
             calls, self._calls = self._calls, []
             self._section(Section.CALLS, text_words(calls))
@@ -204,14 +199,16 @@ class Border:
             self._seen = put
         first = self._recorded
         if first < written:
-            count = min(written - first, RECORDS_PER_CYCLE)
+            count = min(written - first, self._at_once)
             at = self._at
             if at + 2 + count * (RECORD_WORDS + self._polynomials.shape[1]) > len(self.out):
                 return  # with a keyframe; in the next cycle then
             self.out[at + 1] = first
-            end = _stage_records(self._records, self._polynomials, self._kinds, first, count, self.out, at + 2)
+            end = stage_records(self._records, self._polynomials, self._kinds, first, count, self.out, at + 2)
             self.out[at] = int(Section.QUEUE_RECORDS) << 32 | (end - at - 1)
             self._at, self._recorded = end, first + count
+        if self._recorded >= written:
+            self._at_once = RECORDS_PER_CYCLE
 
     def _slots(self, kind: Section, slots: Words, first: int, end: int) -> None:
         """What was put into a small ring: slots first … end - 1, the newest of them if there are more than it has."""
@@ -260,51 +257,43 @@ class Border:
     # ------------------------------------------------------------------ keyframes
 
     def _keyframe(self) -> None:
-        """Everything that a replay needs to begin in front of this cycle."""
-        self.keyframe_wanted = False
-        if self.cycle > 1:  # in front of the first cycle everything is as it was built
+        """Take one, if it is time: then a replay can begin in front of this cycle."""
+        if self.cycle == 1:  # everything is as it was built
+            for piece in self._keyframes.first():
+                self._section(*piece)
+        else:
             try:
-                self._pieces = Capture(self.root, self.outside()).pieces()
+                if not self._keyframes.prepare() or not self._may_take_keyframe() or not self._keyframes.take():
+                    return
             except StateError:
-                self.root = None
+                self.keyframe_wanted, self._no_more = False, True
                 self._ring.refuse_keyframes()
                 return
-            self.out[4] |= STATE_FOLLOWS
+        self.keyframe_wanted = False
         self.out[4] |= KEYFRAME
-        for number, area in enumerate(self.areas):
-            self._section(Section.KEYFRAME_AREA, np.concatenate([np.array([number], dtype=np.int64), area.agreed]))
         counters = self._memories.queue.counters
         self._section(Section.KEYFRAME_QUEUE, counters)
         self._recorded = int(counters[1])  # what is in the queue follows, some records in each cycle
+        self._at_once = AGAIN_PER_CYCLE
         self._seen = [0, 0, 0]
         self._read = -1
 
     def _may_take_keyframe(self) -> bool:
         """Calls of this cycle are in the state already; records of the queue that are not recorded yet would be missing."""
-        return (
-            not self._calls and self._pieces is None and self._recorded >= int(self._own_counters[0]) and self.still()
-        )
-
-    def _next_piece(self) -> None:
-        """A piece of the state per cycle, since making text of it takes its time."""
-        assert self._pieces is not None
-        piece = next(self._pieces, None)
-        last = piece is None
-        text = b"" if piece is None else piece
-        words = np.frombuffer(text.ljust(-(-len(text) // 8) * 8, b" "), dtype=np.int64)
-        self._section(Section.KEYFRAME_STATE, np.concatenate([np.array([last], dtype=np.int64), words]))
-        if last:
-            self._pieces = None
-
-    def outside(self) -> Outside:
-        """What is no state of objects."""
-        return outside_of(self._memories.hli, self._memories.link, self._memories.queue, self._image)
+        return not self._calls and self._recorded >= int(self._own_counters[0]) and self.may_take()
 
 
-def outside_of(hli: HliMemory, link: PreparationLink, queue: MotionQueue, image: DriveImage) -> Outside:
+def outside_of(
+    hli: HliMemory, link: PreparationLink, queue: MotionQueue, image: DriveImage, storage: PathStorage | None
+) -> Outside:
     """What a keyframe has in its areas, or follows it: no state of objects."""
-    rings = (queue.records, queue.polynomials, queue.counters, queue.names, queue.texts.slots, queue.limits.sets)
-    return Outside(words_of(hli.hli), words_of(link.buffer), image.words, *rings)
+    rings = [queue.records, queue.polynomials, queue.counters, queue.names, queue.texts.slots, queue.limits.sets]
+    queues = [queue]
+    if storage is not None:
+        again = storage.queue
+        rings += [storage.kept, storage.tables, again.records, again.polynomials]
+        queues.append(again)
+    return Outside(words_of(hli.hli), words_of(link.buffer), image.words, *rings, queues=queues)
 
 
 class BorderDrives:

@@ -13,7 +13,7 @@ _FLAG_END = "_rw"
 _FLAGS = frozenset(  # guards that are no semaphores: counted up, or raised, behind the data
     {
         "plc_error_count_w", "process_lost_w", "sequence_r", "sequence", "alarm_count_r", "external_count_r", "magic_r",
-        "done_w", "plc_present_w",
+        "done_w", "plc_present_w", "not_retained_w",
     }
 )  # fmt: skip
 

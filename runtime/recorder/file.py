@@ -1,6 +1,6 @@
 """Recordings on the disk: a header, and chunks of whole records, each packed and with a checksum.
 
-    | TANDEM RECORDING 1 | header: length, JSON | chunk | chunk | …
+    | TANDEM RECORDING 2 | header: length, JSON | chunk | chunk | …
     chunk:  | mark, marks, packed bytes, checksum, first cycle, last cycle | packed records |
 
 What was written last may be cut off (killed, power lost, disk full): the whole chunks before it can be read.
@@ -24,7 +24,7 @@ from runtime.diagnostics.errors import Place, TandemError
 from runtime.recorder.record import CycleRecord, records_of
 
 Words = npt.NDArray[np.int64]
-MAGIC = b"TANDEM RECORDING 1\n"
+MAGIC = b"TANDEM RECORDING 2\n"
 CHUNK = struct.Struct("<4sIIIqq")
 _MARK = b"CHNK"
 _LENGTH = struct.Struct("<I")

@@ -21,29 +21,30 @@ Words = npt.NDArray[np.int64]
 
 HEAD = 5
 GAP = 1  # mark: records before this one were dropped
-KEYFRAME = 2  # mark: the state in front of this cycle stands in the record
-STATE_FOLLOWS = 4  # mark: that of the objects stands in the records from this one on
+KEYFRAME = 2  # mark: the state in front of this cycle stands in the records from this one on
 
 
 class Section(IntEnum):
     """What stands in a section. Up to AFTER_PLC: taken in; from BEFORE_PLC on: given out."""
 
     CALLS = 1  # what the process did with the controller before the cycle, JSON
-    KEYFRAME_AREA = 2  # area | all its words
-    KEYFRAME_QUEUE = 3  # counters of the consumer
-    KEYFRAME_STATE = 4  # 1 for the last | a piece of the state of the objects
-    FIGURES = 5  # of the drive image: bus load, EMCY, frames
-    DRIVE_EVENTS = 6  # JSON
-    IMAGE = 7  # changes of the drive image
-    HLI = 8
-    LINK = 9
-    QUEUE = 10  # records written, program names, texts, sets of limits ever put, functions ahead
-    QUEUE_NAMES = 11  # first | names
-    QUEUE_TEXTS = 12  # first | texts
-    QUEUE_LIMITS = 13  # first | sets
-    QUEUE_RECORDS = 14  # first | records, each with its coefficients if it is a polynomial
-    BUSES = 16  # load and state of each bus, JSON
-    AFTER_PLC = 15  # changes of the HLI by a PLC in the same process
+    KEYFRAME_QUEUE = 2  # counters of the consumer
+    KEYFRAME_AREA = 3  # area | first word | words
+    KEYFRAME_RING = 4  # ring of the way that is kept | first | records, as those of the queue
+    KEYFRAME_STATE = 5  # a piece of the state of the objects, JSON
+    KEYFRAME_END = 6  # 1: everything was told, 0: it was given up
+    FIGURES = 10  # of the drive image: bus load, EMCY, frames
+    BUSES = 11  # load and state of each bus, JSON
+    DRIVE_EVENTS = 12  # JSON
+    IMAGE = 13  # changes of the drive image
+    HLI = 14
+    LINK = 15
+    QUEUE = 16  # records written, program names, texts, sets of limits ever put, functions ahead
+    QUEUE_NAMES = 17  # first | names
+    QUEUE_TEXTS = 18  # first | texts
+    QUEUE_LIMITS = 19  # first | sets
+    QUEUE_RECORDS = 20  # first | records, each with its coefficients if it is a polynomial
+    AFTER_PLC = 25  # changes of the HLI by a PLC in the same process
     BEFORE_PLC = 30  # changes of the HLI
     HLI_OUT = 31
     LINK_OUT = 32

@@ -1,26 +1,21 @@
-"""The state of the objects of the cycle, for a keyframe: taken from a running controller, put into one that was just built.
+"""The state of the objects of the cycle, for a keyframe: what of it is told and what not, and how it is put into a controller
+that was just built. `noting` takes it from a running one.
 
-No pickle: a recording is data from somewhere. What is written are numbers, texts, arrays, and the attributes of objects of this
+No pickle: a recording is data from somewhere. What is told are numbers, texts, arrays, and the attributes of objects of this
 runtime by name; what is restored are the attributes of objects that the fresh controller has, or new ones of its classes.
 Of everything that the outside owns (HLI, queues, drives, the machine description) nothing is taken: the border restores that.
 
-    capture   in the cycle: a walk over the objects, which only notes values; nothing of it refers to what changes later
-    encode    in the cycles behind it, a piece in each: JSON
-    restore   in a replay: the same walk over the fresh objects, in the same order
-
-A value is an atom itself, or a list [tag, …]. Objects, lists, dictionaries and arrays have numbers in the order in which the walk
-comes to them, so that what two places share is shared again.
+A value is an atom itself, or a list [tag, …]. Objects, lists, dictionaries and arrays have numbers in the order in which they are
+met, so that what two places share is shared again.
 """
 
 from __future__ import annotations
 
 import base64
-import enum
 import importlib
 import json
-import types
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -28,11 +23,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.diagnostics.catalogue import CATALOGUE
-from runtime.diagnostics.errors import ErrorEntry
 
-Words = npt.NDArray[np.int64]
-MOST_BYTES = 1_000_000  # of arrays
-_ATOMS = (int, float, str, bool, type(None))
+ATOMS = frozenset({int, float, str, bool, type(None)})
 _KEPT_MODULES = ("runtime.hli.layout", "runtime.config", "runtime.fieldbus", "runtime.recorder", "runtime.kernels")
 _KEPT_CLASSES = {
     "MotionQueue", "PreparationLink", "EventRing", "DriveImage", "HliMemory", "QueueTexts", "QueueLimits", "DecoderReports",
@@ -48,7 +40,7 @@ class StateError(Exception):
 
 
 @cache
-def _names(cls: Any) -> tuple[str, ...]:
+def slots_of(cls: Any) -> tuple[str, ...]:
     """The slots of a class, those of its bases first."""
     found: list[str] = []
     for base in reversed(cls.__mro__):
@@ -59,16 +51,16 @@ def _names(cls: Any) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _attributes(value: object) -> dict[str, Any]:
-    """All attributes of an object, in the order in which they were made."""
+def attributes_of(value: object) -> dict[str, Any]:
+    """All attributes of an object, in the order in which they were made; those that are set."""
     cls: Any = type(value)
-    names = _names(cls)
+    names = slots_of(cls)
     own: dict[str, Any] = getattr(value, "__dict__", {})
     return {name: getattr(value, name) for name in names if hasattr(value, name)} | own if names else own
 
 
 @cache
-def _kept(cls: Any) -> bool:
+def kept(cls: Any) -> bool:
     """Objects of a class that the outside owns: whoever restores has his own."""
     module = cls.__module__
     return not module.startswith("runtime.") or module.startswith(_KEPT_MODULES) or cls.__name__ in _KEPT_CLASSES
@@ -79,9 +71,10 @@ def _address(array: npt.NDArray[Any]) -> int:
 
 
 class Outside:
-    """The memories that are no state of the cycle: arrays that lie in them are left out."""
+    """What is no state of the cycle: arrays that lie in these memories are left out, and of the queues it is told which."""
 
-    def __init__(self, *memories: npt.NDArray[Any]) -> None:
+    def __init__(self, *memories: npt.NDArray[Any], queues: Sequence[object] = ()) -> None:
+        self.queues = list(queues)
         self._spans = [(_address(memory), _address(memory) + memory.nbytes) for memory in memories]
         self._known: dict[int, tuple[object, bool]] = {}
 
@@ -95,99 +88,6 @@ class Outside:
         if len(self._known) < 4096:
             self._known[id(array)] = (array, found)
         return found
-
-
-class Capture:
-    """One walk; `encode` gives it as JSON, piece by piece. Raises StateError if there is something that it does not know."""
-
-    def __init__(self, root: object, outside: Outside) -> None:
-        self._outside = outside
-        self._numbers: dict[int, int] = {}
-        self._alive: list[object] = []  # so that no number is given twice
-        self.objects: list[Any] = []
-        self._bytes = 0
-        self._value(root)
-
-    def _value(self, value: Any) -> Any:
-        kind: Any = type(value)
-        cls = kind
-        if cls in _ATOMS:
-            return value
-        number = self._numbers.get(id(value))
-        if number is not None:
-            return ("#", number)
-        if cls is tuple:
-            return ("t", [self._value(one) for one in value])
-        if isinstance(value, enum.Enum):
-            by_value = isinstance(value.value, int | str)
-            return ("e", cls.__module__, cls.__qualname__, value.value if by_value else value.name, by_value)
-        if cls is types.MethodType:
-            return ("m", self._value(value.__self__), value.__name__)
-        if isinstance(value, np.generic):
-            return ("n", value.dtype.str, value.item())
-        if isinstance(value, ErrorEntry) and CATALOGUE.get(value.id) is value:
-            return ("c", value.id)
-        if cls is bytes:
-            return ("b", value)
-        if cls is np.ndarray:
-            return self._array(value)
-        if cls in (list, deque, set, dict):
-            return self._container(value, cls)
-        if isinstance(value, tuple) and cls.__module__.startswith("runtime."):
-            return ("v", cls.__module__, cls.__qualname__, [self._value(one) for one in value])
-        if _kept(kind) or callable(value):
-            return ("k",)
-        number = self._new(value)
-        place: list[Any] = []
-        self.objects.append(("o", cls.__module__, cls.__qualname__, place))
-        scratch = getattr(cls, "SCRATCH", ())
-        for name, one in _attributes(value).items():
-            if name in scratch:
-                continue
-            if one.__class__ in _ATOMS:
-                place.append((name, one))
-            else:
-                place.append((name, self._value(one)))
-        return ("#", number)
-
-    def _new(self, value: object) -> int:
-        number = len(self.objects)
-        self._numbers[id(value)] = number
-        self._alive.append(value)
-        return number
-
-    def _array(self, value: npt.NDArray[Any]) -> Any:
-        if self._outside.has(value):
-            return ("k",)
-        self._bytes += value.nbytes
-        if self._bytes > MOST_BYTES or value.dtype.hasobject:
-            raise StateError(f"an array of {value.nbytes} bytes is too large")
-        number = self._new(value)
-        self.objects.append(("a", value.dtype.str, value.shape, value.tobytes()))
-        return ("#", number)
-
-    def _container(self, value: Any, cls: type) -> Any:
-        number = self._new(value)
-        content: list[Any] = []
-        self.objects.append(("l", cls.__name__, content, getattr(value, "maxlen", None)))
-        if cls is dict:
-            for key, one in value.items():
-                content.append((self._value(key), self._value(one)))
-        else:
-            content += [one if one.__class__ in _ATOMS else self._value(one) for one in value]
-        return ("#", number)
-
-    def pieces(self, most: int = 10) -> Iterator[bytes]:
-        """The text of the whole, some objects at a time."""
-        for begin in range(0, len(self.objects), most):
-            text = json.dumps(self.objects[begin : begin + most], default=_bytes_as_text, separators=(",", ":"))
-            yield text.encode() + b"\n"
-
-
-def _bytes_as_text(value: object) -> str:
-    if isinstance(value, bytes):
-        return base64.b64encode(value).decode()
-    raise StateError(f"a {type(value).__name__} has no place in a recording")
 
 
 def restore(root: object, text: bytes, outside: Outside) -> None:
@@ -214,6 +114,8 @@ class _Restoring:
         tag = told[0]
         if tag == "k":
             return present
+        if tag == "q":
+            return self._outside.queues[told[1]]
         if tag == "#":
             number = told[1]
             return self._made[number] if number in self._made else self._object(number, present)

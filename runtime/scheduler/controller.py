@@ -36,7 +36,7 @@ from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.technology import TechnologySettings
 from runtime.config.machine import ChannelParameters, Machine
-from runtime.diagnostics.catalogue import axis_jobs
+from runtime.diagnostics.catalogue import axis_jobs, system
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import ErrorEntry, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
@@ -59,6 +59,7 @@ _ENABLED = int(DriveState.OPERATION_ENABLED)
 _OFFLINE = int(DriveState.OFFLINE)
 _PARKED_WAY = 1e-6  # mm, degrees: more than that is a motion
 _UNREFERENCED = (Mode.MANUAL, Mode.HOMING)  # modes that need no reference
+_SERVICE_EVERY = 64  # cycles between two looks at what the service process says
 RESET_TIME = 0.5  # s that the drives get to leave their fault
 _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
@@ -156,6 +157,7 @@ class Controller:
         self._parked_at = np.zeros(len(path_axes))  # where the path has parked axes
         self._told = np.zeros(len(machine.axes), dtype=np.bool_)  # the bus has said why the axis is lost
         self._process_lost_before = 0
+        self._not_retained = 0  # number of the alarm, 0 none
         self._astray: set[int] = set()  # path axes that were lost while the program ran
         self._stopping = False
         self._moving_before = False
@@ -175,6 +177,8 @@ class Controller:
             self._limit_torques()
         self._watch_axes()
         self._watch_plc()
+        if self.cycle_number % _SERVICE_EVERY == 0:
+            self._watch_retaining()
         self.publisher.outputs()
         self._obey()
         self._move()
@@ -372,6 +376,17 @@ class Controller:
             text = get_text(platform, "process_lost_text_w")
             self.alarm(Problem(alarms.PROCESS_LOST, {"process": text}))
 
+    def _watch_retaining(self) -> None:
+        """The service process writes what is retained, and says when it cannot."""
+        failed = bool(self._platform.not_retained_w)
+        if failed and not self._not_retained:
+            entry = system.RETAINED_NOT_WRITTEN
+            told = ErrorEntry(entry.id, "{text}", entry.severity, entry.reaction, entry.remedy)
+            self._not_retained = self.alarm(Problem(told, {"text": get_text(self._platform, "not_retained_text_w")}))
+        elif self._not_retained and not failed:
+            self.alarms.close(self._not_retained)
+            self._not_retained = 0
+
     # ------------------------------------------------------------------ orders and reactions
 
     def _obey(self) -> None:
@@ -454,6 +469,7 @@ class Controller:
         self.jobs.reset()
         self.supervision.reset(max(2, round(RESET_TIME / self.machine.cycle.period)))
         self.alarms.acknowledge()
+        self._not_retained = 0  # told again, if it is still so
         if self.channel.restart_needed:
             self.alarm(Problem(alarms.RESTART_NEEDED))
         self._told[:] = False

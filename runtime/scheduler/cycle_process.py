@@ -82,7 +82,7 @@ class CycleProcess:
             machine, seam.drives, seam.memory, self.events, seam.queue, seam.link, seam.plc, wall_clock=seam.wall_clock
         )
         if self._border is not None:
-            watch(self._border, self.controller, standing=machine.recorder.keyframes == "standstill")
+            watch(self._border, self.controller, machine.recorder.keyframes)
         self._stop_reason = ""
         self._told_reason: ErrorEntry | None = None
         self._parent = os.getppid()

@@ -9,10 +9,35 @@ import numpy as np
 from runtime.cnc.block_search import PointOfInterruption
 from runtime.config.machine import Machine
 from runtime.hli.layout import Hli
+from runtime.hli.memory import put_text
 from runtime.hli.units import LENGTH
 from runtime.scheduler.alarms import history
-from runtime.scheduler.retained import Retained
+from runtime.scheduler.retained import Retained, RetainedError, RetainedStore
 from runtime.scheduler.search_orders import point_in
+
+
+class Keeper:
+    """Writes what is retained, whenever it has changed. What cannot be written is told by the cycle, as an alarm."""
+
+    def __init__(self, machine: Machine, store: RetainedStore) -> None:
+        self._machine, self._store = machine, store
+        self._kept: Retained | None = None
+
+    def keep(self, hli: Hli) -> None:
+        """Once a second, and at the end."""
+        data = retained_of(self._machine, hli)
+        if data == self._kept:  # disks wear out
+            return
+        platform = hli.platform
+        try:
+            self._store.save(data)
+        except RetainedError as error:
+            if not platform.not_retained_w:
+                put_text(platform, "not_retained_text_w", error.problem.text)
+                platform.not_retained_w = True
+        else:
+            self._kept = data
+            platform.not_retained_w = False
 
 
 def retained_of(machine: Machine, hli: Hli) -> Retained:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
-from runtime.config.machine import Machine
+from runtime.config.machine import KeyframesWhen, Machine
 from runtime.diagnostics.errors import Problem
 from runtime.drives import DriveState, DriveSystem
 from runtime.hli.memory import HliMemory
@@ -22,21 +22,20 @@ from runtime.scheduler.plc_link import PlcPartner
 _ENABLED = int(DriveState.OPERATION_ENABLED)
 
 
-def watch(border: Border, controller: Controller, *, standing: bool = True) -> None:
-    """The controller is built: from here on it is recorded, with keyframes of its state while nothing moves.
+def watch(border: Border, controller: Controller, when: KeyframesWhen = "always") -> None:
+    """The controller is built: from here on it is recorded, with keyframes of its state.
 
-    `standing`: also while drives are enabled. A keyframe makes a cycle, and its SYNC, some ms late, which not every drive
-    forgives, even at rest.
+    A keyframe makes a cycle longer. `when` one may be taken: "always", at "standstill", or while no drive is enabled.
     """
     states = controller.drives.image.state
 
     def still() -> bool:
         at_rest = controller.channel.interpolator.standstill and controller.beside.at_rest and controller.jobs.standing
-        return at_rest and (standing or not bool((states == _ENABLED).any()))
+        return at_rest and (when == "standstill" or not bool((states == _ENABLED).any()))
 
-    border.settle()
-    border.root = controller
-    border.still = still
+    border.settle(controller, controller.channel.backward.storage)
+    if when != "always":
+        border.may_take = still
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,7 @@ Nothing else runs: no drives, no PLC, no preparation; the time is the recorded o
 from __future__ import annotations
 
 import struct
-from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,8 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.geometry.polynomial_table import ROWS, WIDTH
-from runtime.cnc.motion_queue import PROGRAMS, MotionQueue, RecordKind
+from runtime.cnc.motion_queue import PROGRAMS, MotionQueue
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.cnc.queue_limits import SETS
 from runtime.cnc.queue_texts import TEXTS
@@ -33,22 +31,23 @@ from runtime.drives import BusFigures, DriveEvent, DriveImage
 from runtime.hli.layout import Platform
 from runtime.hli.memory import HliMemory
 from runtime.recorder.areas import WHOLE_WORDS, Area, apply_changes
-from runtime.recorder.border import RECORD_WORDS, outside_of
+from runtime.recorder.border import outside_of
 from runtime.recorder.elements import Element
 from runtime.recorder.file import RecordingError, RecordingFile
 from runtime.recorder.header import described_machine, image_words, processor, source_hash
+from runtime.recorder.keyframes import put_records, ring_slots
 from runtime.recorder.layouts import AREAS, elements_of_area, layouts
 from runtime.recorder.machine_areas import hli_area, link_area
-from runtime.recorder.record import GAP, KEYFRAME, STATE_FOLLOWS, CycleRecord, Section, value_of
+from runtime.recorder.record import GAP, KEYFRAME, CycleRecord, Section, value_of
 from runtime.recorder.state import restore
 from runtime.scheduler.controller import Controller
+from runtime.scheduler.replay_source import ReplaySource
 from runtime.scheduler.retained import RetainedAlarm
 from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Words = npt.NDArray[np.int64]
 _NOTHING: Words = np.zeros(0, dtype=np.int64)
 _EVENTS_TAKEN = 64  # cycles, so that the ring of events never fills
-_POLYNOMIAL = int(RecordKind.POLYNOMIAL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,89 +117,6 @@ class _Plc:
     def restart(self) -> None:
         if self._process:
             self._platform.plc_restart_request_r += 1
-
-
-class _Queue:
-    """Brings the motion queue's records to their places when they were there in the recording.
-
-    They were recorded some at a time, so some of them stand in records of later cycles.
-    """
-
-    def __init__(self, queue: MotionQueue, ahead: Iterator[CycleRecord]) -> None:
-        self.queue = queue
-        self._ahead = ahead
-        self._records = queue.records.view(np.int64).reshape(queue.capacity, RECORD_WORDS)
-        self._polynomials = queue.polynomials.view(np.int64).reshape(queue.capacity, ROWS * WIDTH)
-        self.read_ahead: deque[CycleRecord] = deque()
-        self._waiting: deque[tuple[int, Words]] = deque()
-        self.filled = 0
-        self._state = b""
-        self._state_whole = False
-
-    def attach(self, queue: MotionQueue) -> None:
-        """Another queue, of a controller that begins anew."""
-        self.queue = queue
-        self._records = queue.records.view(np.int64).reshape(queue.capacity, RECORD_WORDS)
-        self._polynomials = queue.polynomials.view(np.int64).reshape(queue.capacity, ROWS * WIDTH)
-
-    def begin(self, keyframe: CycleRecord) -> bytes | None:
-        """Everything of before is forgotten; the state of the objects in front of `keyframe`, None if it is not whole."""
-        self._waiting.clear()
-        self._state, self._state_whole = b"", False
-        for record in (keyframe, *self.read_ahead):
-            self._note(record)
-        if not keyframe.marks & STATE_FOLLOWS:
-            return b""
-        while not self._state_whole:
-            if any(record.marks & GAP for record in self.read_ahead) or not self._look():
-                return None
-        return self._state
-
-    def _note(self, record: CycleRecord) -> None:
-        """What later records bring for earlier cycles."""
-        for kind, words in record.sections:
-            if kind == Section.QUEUE_RECORDS:
-                self._waiting.append((int(words[0]), words[1:]))
-            elif kind == Section.KEYFRAME_STATE and not self._state_whole:
-                self._state += words[1:].tobytes().rstrip() + b"\n"
-                self._state_whole = bool(words[0])
-
-    def records(self) -> Iterator[CycleRecord]:
-        """The records of the recording in their order."""
-        while True:
-            if not self.read_ahead and not self._look():
-                return
-            yield self.read_ahead.popleft()
-
-    def _look(self) -> bool:
-        record = next(self._ahead, None)
-        if record is None:
-            return False
-        self._note(record)
-        self.read_ahead.append(record)
-        return True
-
-    def fill_to(self, written: int) -> bool:
-        """Everything in front of record `written` is in its place; FALSE if the recording ends before it stands there."""
-        while self.filled < written:
-            if not self._waiting:
-                if any(record.marks & GAP for record in self.read_ahead) or not self._look():
-                    return False
-                continue
-            first, words = self._waiting.popleft()
-            at, index = 0, first
-            while at < len(words) and index < written:
-                slot = index % self.queue.capacity
-                self._records[slot] = words[at : at + RECORD_WORDS]
-                at += RECORD_WORDS
-                if self._records[slot, 0] == _POLYNOMIAL:
-                    self._polynomials[slot] = words[at : at + ROWS * WIDTH]
-                    at += ROWS * WIDTH
-                index += 1
-            self.filled = index
-            if at < len(words):
-                self._waiting.appendleft((index, words[at:]))
-        return True
 
 
 class Replay:
@@ -290,7 +206,7 @@ class Replay:
         """From the first keyframe to the end of the recording, to the cycle `stop_at`, or to where they part."""
         cycles, gaps = 0, 0
         begin = end = 0.0
-        self._source = _Queue(MotionQueue(len(self.machine.channels[0].axes)), self._records_of_file())
+        self._source = ReplaySource(self.file.records())
         running = False
         for record in self._source.records():
             if record.marks & GAP and not record.marks & KEYFRAME:
@@ -318,27 +234,28 @@ class Replay:
             self._writer.close(self.samples, self._summary(result))
         return result
 
-    def _records_of_file(self) -> Iterator[CycleRecord]:
-        return self.file.records()
-
     def _begin(self, record: CycleRecord) -> bool:
         """The state in front of a record with a keyframe; FALSE if the recording ends before it is whole."""
-        state = self._source.begin(record)
-        if state is None:
+        beginning = self._source.begin(record)
+        if beginning is None:
             return False
         self._build()
-        for kind, words in record.sections:
-            if kind == Section.KEYFRAME_AREA:
-                area = self.areas[int(words[0])]
-                area.own[:] = words[1:]
-                area.agreed[:] = words[1:]
-            elif kind == Section.KEYFRAME_QUEUE:
-                self.queue.counters[:] = words
-                self._source.filled = int(words[1])
-                self._read = -1
+        for number, first, words in beginning.areas:
+            area = self.areas[number]
+            area.own[first : first + len(words)] = words
+            area.agreed[first : first + len(words)] = words
+        counters = record.section(Section.KEYFRAME_QUEUE)
+        assert counters is not None
+        self.queue.counters[:] = counters
+        self._source.filled = int(counters[1])
+        self._read = -1
         self._take_figures()
-        if state:
-            restore(self.controller, state, outside_of(self.memory, self.link, self.queue, self.image))
+        storage = self.controller.channel.backward.storage
+        if beginning.state:
+            outside = outside_of(self.memory, self.link, self.queue, self.image, storage)
+            restore(self.controller, beginning.state, outside)
+        for ring, first, words in beginning.rings:
+            put_records(words, first, *ring_slots(storage, ring))
         return True
 
     def _cycle(self, record: CycleRecord) -> None:

@@ -12,6 +12,7 @@ two is whole; a checksum tells a whole one from a damaged one.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -110,7 +111,11 @@ class RetainedStore:
             os.replace(self._new, self.file)
             _sync_directory(self.directory)
         except OSError as error:
-            values = {"file": self.file, "reason": error.strerror or str(error)}
+            values = {
+                "file": self.file,
+                "reason": error.strerror or str(error),
+                "advice": _advice(error, self.directory),
+            }
             raise RetainedError(system.RETAINED_NOT_WRITTEN, Place(str(self.file)), **values) from error
 
     def _keep_previous(self) -> None:
@@ -127,6 +132,17 @@ class RetainedStore:
             link.unlink()  # left over from a kill
         os.link(self.file, link)
         os.replace(link, self.previous)
+
+
+def _advice(error: OSError, directory: Path) -> str:
+    """What to do about a disk that refuses."""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return "make room on this disk"
+    if error.errno == errno.EROFS:
+        return "mount this disk so that it can be written"
+    if error.errno in (errno.EACCES, errno.EPERM):
+        return f"give {directory} to the user of the runtime, with the right to write"
+    return "look after the disk"
 
 
 def _read(file: Path) -> Retained:

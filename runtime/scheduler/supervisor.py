@@ -42,9 +42,9 @@ from runtime.scheduler.alarms import AlarmList
 from runtime.scheduler.children import Child
 from runtime.scheduler.clock import WallClockWatch
 from runtime.scheduler.journal import Journal, write_event, write_problem
-from runtime.scheduler.keeping import retained_of
+from runtime.scheduler.keeping import Keeper
 from runtime.scheduler.notify import Notifier
-from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
+from runtime.scheduler.retained import RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _STOP_LIMIT = 15.0  # s that the cycle gets to bring the machine to rest
@@ -84,6 +84,7 @@ class Supervisor:
         self._notifier = Notifier.from_environment(os.environ)
         state = state_directory(machine.state_directory, os.environ)
         self._store = RetainedStore(state)
+        self._keeper = Keeper(machine, self._store)
         self._lock: TextIO | None = None
         self._wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_SEMAPHORE)
         self._made = os.eventfd(0)  # the cycle raises it when the shared memories are there
@@ -95,14 +96,12 @@ class Supervisor:
         self._ring: RecorderRing | None = None
         self._drain: Drain | None = None
         self._retain_at = 0.0
-        self._retained: Retained | None = None
         self._cycle_before = -1
         self._polled_at = 0.0
         self._standstill = 0.0  # s without a cycle
         self._cycle_end = ""  # why this process has ended the cycle
         self._plc_restarts = 0
         self._failed = False
-        self._retain_failed = False
         self._axis_names = [axis.name for axis in machine.axes]
         common = ["--name", options.name]
         if options.machine_file is not None:
@@ -385,20 +384,8 @@ class Supervisor:
 
     def retain(self) -> None:
         """Write what must survive: positions and alarm history."""
-        if self.memory is None:
-            return
-        data = retained_of(self.machine, self.memory.hli)
-        if data == self._retained:  # disks wear out
-            return
-        try:
-            self._store.save(data)
-        except RetainedError as error:
-            if not self._retain_failed:  # told once, tried again every second
-                write_problem(self.journal, error.problem)
-            self._retain_failed = True
-        else:
-            self._retain_failed = False
-            self._retained = data
+        if self.memory is not None:
+            self._keeper.keep(self.memory.hli)
 
     # ------------------------------------------------------------------ stop
 

@@ -13,8 +13,10 @@ from runtime.cnc.axes.single_axis import SingleAxis
 from runtime.config.machine import Machine
 from runtime.fieldbus.simulator.drive import Fault
 from runtime.recorder.file import RecordingError, RecordingFile, RecordingWriter
+from runtime.recorder.noting import StateNotes
 from runtime.recorder.record import GAP, KEYFRAME
-from runtime.recorder.state import Capture, Outside, StateError, restore
+from runtime.recorder.state import Outside, StateError, restore
+from runtime.scheduler.recorded import watch
 from tests.recorder.test_replay import MESSAGES, PART, Recorded, replay
 
 Words = npt.NDArray[np.int64]
@@ -50,7 +52,6 @@ def keyframes(path: Path) -> list[int]:
 def with_keyframes(recorded: Recorded, seconds: float, every: int) -> None:
     """Run, with a keyframe every so many cycles, in motion too."""
     border = recorded.simulation.recording.border  # type: ignore[union-attr]
-    border.still = lambda: True
     for k in range(round(seconds / recorded.simulation.period)):
         border.keyframe_wanted = border.keyframe_wanted or k % every == 0
         recorded.simulation.cycle()
@@ -114,9 +115,10 @@ def test_a_recording_without_a_whole_keyframe_is_refused(demo: Machine, tmp_path
         replay(path, recorded.machine)
 
 
-def test_keyframes_are_taken_at_standstill_only(demo: Machine, tmp_path: Path) -> None:
-    """The cycle takes longer with one; so none is taken while something moves, and the next standstill has one."""
+def test_keyframes_may_wait_for_standstill(demo: Machine, tmp_path: Path) -> None:
+    """Then none is taken while something moves, and the next standstill has one."""
     recorded = Recorded(demo, tmp_path, ideal_axes=True)
+    watch(recorded.simulation.recording.border, recorded.simulation.controller, "standstill")  # type: ignore[union-attr]
     recorded.start("%P\nN10 G90 G01 X20 F6000\nN20 X0\nN30 M30\n")
     recorded.run(0.1)
     simulation, border = recorded.simulation, recorded.simulation.recording.border  # type: ignore[union-attr]
@@ -138,7 +140,12 @@ def test_objects_that_are_shared_are_shared_again_and_other_classes_are_refused(
     axis.move_to(20.0)
     for _ in range(50):
         axis.step()
-    text = b"".join(Capture(axis, Outside()).pieces())
+    notes = StateNotes(axis, Outside())
+    for _ in notes.survey():
+        pass
+    noted = notes.note()
+    assert noted is not None
+    text = b"".join(notes.tell(noted))
     again = SingleAxis(limits, 0.001)
     restore(again, text, Outside())
     assert [again.step() for _ in range(300)] == [axis.step() for _ in range(300)]
@@ -148,4 +155,4 @@ def test_objects_that_are_shared_are_shared_again_and_other_classes_are_refused(
     with pytest.raises(StateError, match="no class"):
         restore(axis, text.replace(b'"SingleAxis"', b'"plan_speed"'), Outside())
     with pytest.raises(StateError, match="too large"):
-        Capture([np.zeros(1_000_000)], Outside())
+        list(StateNotes([np.zeros(1_000_000)], Outside()).survey())

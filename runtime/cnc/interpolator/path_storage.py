@@ -221,43 +221,47 @@ def fill(
 
 
 class PathStorage:
-    """Keeps at most `capacity` records (0: none) of a channel with n axes, and the queue in which they are driven again."""
+    """Keeps at most `capacity` records (0: none) of a channel with n axes, and the queue in which they are driven again.
+
+    `kept` and `tables` are the records and their polynomials, `state` tells which of them count.
+    """
 
     def __init__(self, n_axes: int, capacity: int) -> None:
         self._n = n_axes
         self.capacity = capacity
-        self._kept = np.zeros(max(capacity, 1), dtype=RECORD)
-        self._tables = np.zeros((max(capacity, 1), ROWS, WIDTH))
-        self._state = np.zeros(STATE, dtype=np.int64)
+        self.kept = np.zeros(max(capacity, 1), dtype=RECORD)
+        self.tables = np.zeros((max(capacity, 1), ROWS, WIDTH))
+        self.state = np.zeros(STATE, dtype=np.int64)
         self._place = np.zeros(FILL, dtype=np.int64)
         self._after = np.zeros(2)
         self._drops = np.zeros(2, dtype=np.int64)
         self.queue = MotionQueue(n_axes, capacity=REPLAY if capacity else 1)
         self._numbers = np.zeros(self.queue.capacity, dtype=np.int64)
+        self._counters = self.queue.counters  # the queue has no other state
 
     def begin(self, read: int) -> None:
         """A program starts, its records begin at index `read` of its queue: nothing is kept."""
-        self._state[:] = (0, 0, read, -1)
+        self.state[:] = (0, 0, read, -1)
         self.queue.discard_all()
 
     def follow(self, queue: MotionQueue, passed: int) -> None:
         """Keep what the path has passed: the records of the queue up to before index `passed`."""
-        if self._state[STORED] < passed:
-            keep(queue.records, queue.polynomials, passed, self._n, self._kept, self._tables, self._state)
+        if self.state[STORED] < passed:
+            keep(queue.records, queue.polynomials, passed, self._n, self.kept, self.tables, self.state)
 
     def clear(self) -> None:
         """Forget what lies behind."""
-        self._state[FIRST] = self._state[NEXT]
+        self.state[FIRST] = self.state[NEXT]
 
     @property
     def count(self) -> int:
         """Records that are kept."""
-        return int(self._state[NEXT] - self._state[FIRST])
+        return int(self.state[NEXT] - self.state[FIRST])
 
     @property
     def next(self) -> int:
         """The number that the record in work will get."""
-        return int(self._state[NEXT])
+        return int(self.state[NEXT])
 
     @property
     def ended(self) -> bool:
@@ -287,7 +291,7 @@ class PathStorage:
         if self._place[ENDED]:
             return
         fill(
-            self._kept, self._tables, self._state, self._n, self._place, self._after, self._drops, simulated, mask,
+            self.kept, self.tables, self.state, self._n, self._place, self._after, self._drops, simulated, mask,
             self.queue.records, self.queue.polynomials, self._numbers, self.queue.counters,
         )  # fmt: skip
 

@@ -60,13 +60,13 @@ NO_KEYFRAMES = ErrorEntry(
     "The state of this machine cannot be recorded while it runs: the recording ends when its room is used up",
     Severity.WARNING,
     Reaction.NONE,
-    remedy="A storage for backward motion is too large for it; give recorder.size more, or do without that storage.",
+    remedy="Give recorder.size more, so that it reaches until the machine is started again; and report it: something in the "
+    "runtime has a state that is too large.",
 )
 ROOM_USED_UP = ErrorEntry(
     311012,
     "The recorder has used up its room in {folder}, and since its last keyframe there was no time for another",
     Severity.WARNING,
     Reaction.NONE,
-    remedy="It goes on when the drives are off. Give recorder.size more, or set recorder.keyframes to standstill if the drives "
-    "forgive a SYNC that comes some ms late.",
+    remedy="It goes on with the next keyframe. Give recorder.size more, or set recorder.keyframes to always.",
 )

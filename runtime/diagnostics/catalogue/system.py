@@ -67,9 +67,10 @@ RETAINED_LOST = ErrorEntry(
 )
 RETAINED_NOT_WRITTEN = ErrorEntry(
     305022,
-    "Retained data cannot be written to {file}: {reason}",
+    "Retained data cannot be written to {file}: {reason}; {advice}",
     reaction=Reaction.NONE,
-    remedy="Give the runtime a state directory that it may write to (state_directory), with space left.",
+    remedy="Until then a restart brings back what was written last. The runtime tries again by itself; the alarm goes when it "
+    "has written. state_directory in the machine description says where.",
 )
 
 # service process
