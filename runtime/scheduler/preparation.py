@@ -160,10 +160,11 @@ class Preparation:
 
     def _decoded(self, order: StartOrder, outside: RunningMachine) -> Iterator[Block]:
         """The blocks of the program file. Raises TandemError."""
-        program = self._program = load_program(self._file(order), self._setup, self._dialect)
+        setup = self._setup.in_mode(Mode(order.mode))
+        program = self._program = load_program(self._file(order), setup, self._dialect)
         self.decoder = Decoder(
             program,
-            self._setup,
+            setup,
             start=order.start if order.begin is None else order.begin,
             memory=self._memory,
             outside=outside,

@@ -102,6 +102,28 @@ def test_mdi_executes_the_blocks_of_its_order(driven: Driven, separator: str) ->
     assert driven.alarms == []
 
 
+@pytest.mark.spec("chan.sub.start", "chan.sub.end", "hli.mode.mdi")
+@pytest.mark.parametrize(("end", "modes"), [("", "MDI"), ("\nM30", "AUTOMATIC | MDI"), ("", "AUTOMATIC")])
+def test_the_programs_at_start_and_end_of_mdi(demo: Machine, tmp_path: Path, end: str, modes: str) -> None:
+    (tmp_path / "start.nc").write_text('$IF V.G.MAIN_FILE_NAME == "-"\nG01 F6000 Y5\n$ENDIF\nM17')
+    (tmp_path / "final.nc").write_text("G01 F6000 Z-7\nM17")
+    machine = with_channel(
+        demo,
+        start_init_prog_file=str(tmp_path / "start.nc"),
+        start_init_prog_file_mode=modes,
+        final_prog_file=str(tmp_path / "final.nc"),
+        final_prog_file_mode=modes,
+    )
+    driven = make(machine, tmp_path)
+    driven.simulation.order(Mode.MDI, State.ACTIVE, "G90 G01 F6000 X10" + end)
+    driven.watch(3)
+    driven.until_done()
+    driven.watch(2)
+    both = "MDI" in modes
+    assert [place(driven, axis) for axis in (X, Y, 2)] == [10.0, 5.0 if both else 0.0, -7.0 if both else 0.0]
+    assert driven.alarms == []
+
+
 @pytest.mark.spec("hli.mode.mdi")
 def test_mdi_is_loaded_held_resumed_and_aborted(driven: Driven) -> None:
     simulation = driven.simulation

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,7 @@ from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
 from runtime.hli.external import ExternalEntry, directory_of
+from runtime.hli.layout import Mode
 from runtime.hli.units import MICROSECOND
 
 ZERO_OFFSETS = range(53, 60)
@@ -195,6 +196,8 @@ class DecoderSetup:
     tool_data_program: str = ""  # P-CHAN-00429
     start_program: str = ""  # P-CHAN-00119
     final_program: str = ""  # P-CHAN-00252
+    start_in: frozenset[str] = frozenset({"AUTOMATIC"})  # P-CHAN-00260: AUTOMATIC, MDI
+    final_in: frozenset[str] = frozenset({"AUTOMATIC"})  # P-CHAN-00433
     g_programs: Mapping[int, str] = field(default_factory=dict)  # P-CHAN-00160…00169, 00187: G number → file
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
@@ -290,6 +293,8 @@ class DecoderSetup:
             tool_data_program=parameters.d_prog_file,
             start_program=parameters.start_init_prog_file,
             final_program=parameters.final_prog_file,
+            start_in=_words(parameters.start_init_prog_file_mode),
+            final_in=_words(parameters.final_prog_file_mode),
             g_programs=parameters.g_prog_files,
             dynamics=_dynamics(parameters),
             vector_limits=_vector_limits(parameters.vector),
@@ -351,6 +356,18 @@ class DecoderSetup:
             tuple(axis.name for axis in self.other_axes),
         )
 
+    def in_mode(self, mode: Mode) -> DecoderSetup:
+        """The same for a start in this mode: the programs at start and end run in those that are chosen for them.
+
+        Manual mode counts as MDI; homing has neither of them.
+        """
+        name = {Mode.AUTOMATIC: "AUTOMATIC", Mode.MDI: "MDI", Mode.MANUAL: "MDI"}.get(mode, "")
+        start = self.start_program if name in self.start_in else ""
+        final = self.final_program if name in self.final_in else ""
+        if (start, final) == (self.start_program, self.final_program):
+            return self
+        return replace(self, start_program=start, final_program=final)
+
     @property
     def configured_programs(self) -> frozenset[str]:
         """Files that the configuration of the channel names; they may lie anywhere."""
@@ -409,6 +426,10 @@ def _feed_group(parameters: ChannelParameters, axes: int) -> FeedGroup:
         return FeedGroup()
     chosen = parameters.feed_axes(axes)
     return FeedGroup(tuple(1.0 if axis in chosen else 0.0 for axis in range(axes)))
+
+
+def _words(flags: str) -> frozenset[str]:
+    return frozenset(word.strip() for word in flags.split("|"))
 
 
 def _table(texts: Mapping[int, str], name: str) -> dict[int, Synch]:

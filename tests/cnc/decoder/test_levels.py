@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runtime.cnc.blocks import BlockEnd, Synch, TechnologyFunction
+from runtime.cnc.blocks import BlockEnd, Line, Polyline, Synch, TechnologyFunction
 from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, ProgramError, load_program
+from runtime.cnc.path_preparation.element_lengths import element_ends
 from runtime.diagnostics.catalogue import language as C  # noqa: N812 - a table of constants
 from runtime.diagnostics.catalogue import tools
+from runtime.hli.layout import Mode
 from tests.cnc.decoder.programs import SETUP, Run, decode
 
 
@@ -104,7 +106,7 @@ def test_search_paths_come_in_their_order_behind_the_folder_of_the_main_program(
 # -- calls by functions --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("isg.mh.m06-tool-change-program")
+@pytest.mark.spec("isg.mh.m06-tool-change-program", "chan.sub.m6")
 def test_m6_calls_the_configured_program_as_last_action_and_is_no_function_then() -> None:
     setup = replace(SETUP, tool_change_program="change.nc")
     run = decode("M6 G00 X1\nX3\nM30", setup, {"change.nc": "G00 X2\nM17"})
@@ -114,7 +116,7 @@ def test_m6_calls_the_configured_program_as_last_action_and_is_no_function_then(
     assert problem_of("M6\nM30", setup) is C.GLOBAL_MISSING
 
 
-@pytest.mark.spec("isg.g.implicit-subroutines-g80")
+@pytest.mark.spec("isg.g.implicit-subroutines-g80", "chan.sub.g8xx", "chan.sub.m6")
 def test_file_names_are_changed_at_any_time_and_hold_until_the_end() -> None:
     files = {f"{name}.nc": f"G00 X{value}\nM17" for value, name in enumerate(("a", "b", "c", "d"), 1)}
     setup = replace(SETUP, tool_change_program="a.nc", g_programs={80: "b.nc", 839: "c.nc"}, tool_data_program="d.nc")
@@ -147,14 +149,14 @@ def test_g_calls_give_values_as_transfer_parameters() -> None:
     assert run.parameters == {1: 10, 2: 6, 4: -4, 10: 0, 11: 1, 12: 1}
 
 
-@pytest.mark.spec("isg.g.implicit-subroutines-g80")
+@pytest.mark.spec("isg.g.implicit-subroutines-g80", "chan.sub.g8xx")
 def test_g_calls_without_values_are_subprograms() -> None:
     setup = replace(SETUP, g_programs={80: "c.nc"})
     assert xs("G00 X1\nG80\nX1\nM30", setup, {"c.nc": "G91\nP1 = V.G.CYCLE_ACTIVE\nM17"}) == [1, 2]
     assert problem_of("G80\nM30", setup, {"c.nc": "P1 = @P1"}) is C.TRANSFER_OUTSIDE
 
 
-@pytest.mark.spec("isg.g.implicit-subroutines-g80")
+@pytest.mark.spec("isg.g.implicit-subroutines-g80", "chan.sub.g8xx")
 def test_g_calls_that_cannot_be() -> None:
     setup = replace(SETUP, g_programs={80: "c.nc"})
     run = decode("G81\nM30")
@@ -169,7 +171,7 @@ def test_g_calls_that_cannot_be() -> None:
 # -- start and end -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.spec("isg.sub.implicit-start")
+@pytest.mark.spec("isg.sub.implicit-start", "chan.sub.start")
 def test_every_start_begins_with_the_configured_program() -> None:
     setup = replace(SETUP, start_program="start.nc")
     files = {"start.nc": "%L A\nG00 X1\nM17\n%S\nLL A\nG91 P1 = V.G.PROG_LEVEL V.P.A = 7\nM17"}
@@ -179,7 +181,7 @@ def test_every_start_begins_with_the_configured_program() -> None:
     assert problem_of("M30", setup) is C.GLOBAL_MISSING
 
 
-@pytest.mark.spec("isg.sub.implicit-end", "isg.mh.m02-m30-program-end")
+@pytest.mark.spec("isg.sub.implicit-end", "isg.mh.m02-m30-program-end", "chan.sub.end")
 @pytest.mark.parametrize("end", ["M30", "M02", "LL B", ""])
 def test_every_end_comes_behind_the_configured_program(end: str) -> None:
     setup = replace(SETUP, final_program="end.nc", m_synch={**SETUP.m_synch, 30: Synch.MOS, 2: Synch.MOS})
@@ -189,6 +191,41 @@ def test_every_end_comes_behind_the_configured_program(end: str) -> None:
     kinds = [(row["type"], row.get("number")) for row in run.rows if row["type"] in ("m", "stop")]
     number = 2 if end == "M02" else 30
     assert kinds == [("m", 10), ("m", number), ("stop", None)]
+
+
+@pytest.mark.spec("chan.sub.start", "chan.sub.end")
+@pytest.mark.parametrize(
+    ("words", "modes"),
+    [
+        ("AUTOMATIC", {Mode.AUTOMATIC}),
+        ("MDI", {Mode.MDI, Mode.MANUAL}),
+        ("AUTOMATIC | MDI", {Mode.AUTOMATIC, Mode.MDI, Mode.MANUAL}),
+    ],
+)
+def test_the_programs_at_start_and_end_run_in_the_modes_that_are_chosen(words: str, modes: set[Mode]) -> None:
+    both = replace(SETUP, start_program="start.nc", final_program="end.nc")
+    files = {"start.nc": "G00 X1\nM17", "end.nc": "G00 X2\nM17"}
+    chosen = frozenset(word.strip() for word in words.split("|"))
+    for mode in (Mode.AUTOMATIC, Mode.MDI, Mode.MANUAL, Mode.HOMING):
+        first = [1.0] if mode in modes else []
+        last = [2.0] if mode in modes else []
+        assert xs("G00 X5", replace(both, start_in=chosen).in_mode(mode), files)[: len(first) + 1] == [*first, 5.0]
+        assert xs("G00 X5\nM30", replace(both, final_in=chosen).in_mode(mode), files)[-len(last) - 1 :] == [5.0, *last]
+
+
+@pytest.mark.spec("chan.sub.m6", "chan.sub.g8xx")
+def test_the_next_start_calls_the_configured_programs_again(tmp_path: Path) -> None:
+    for name, x in (("a.nc", 1), ("b.nc", 2), ("c.nc", 3)):
+        (tmp_path / name).write_text(f"G00 X{x}\nM17")
+    setup = replace(SETUP, tool_change_program="a.nc", g_programs={81: "b.nc"}, program_paths=(tmp_path,))
+    memory = ChannelMemory(setup)
+    ends = []
+    for text in ('#FILE NAME [M6="c.nc" G81="c.nc"]\nM6\nG81\nM30', "M6\nG81\nM30"):
+        (tmp_path / "main.nc").write_text(text)
+        decoder = Decoder(load_program(tmp_path / "main.nc", setup), setup, start=np.zeros(3), memory=memory)
+        motions = [block for block in decoder.blocks() if isinstance(block, Line | Polyline)]
+        ends.append([float(end[0]) for motion in motions for end in element_ends(motion)])
+    assert ends == [[3.0, 3.0], [1.0, 2.0]]
 
 
 def test_faulty_configured_programs_are_errors_of_the_program() -> None:

@@ -37,8 +37,7 @@ def test_definitions_outlive_their_program() -> None:
     assert ends('"KEPT"', memory=memory) == [[3, 0, 0]]
 
 
-@pytest.mark.spec("isg.macro.define-call")
-@pytest.mark.spec("isg.macro.init-tab")
+@pytest.mark.spec("isg.macro.define-call", "isg.macro.init-tab", "chan.macros")
 @pytest.mark.parametrize("statement", ["#INIT MACRO TAB", "N5 #INIT MAKRO TAB"])
 def test_configured_macros_may_be_redefined_and_come_back(statement: str) -> None:
     setup = replace(SETUP, macros={"C": "X1"})

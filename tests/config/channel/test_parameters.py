@@ -111,6 +111,7 @@ MISTAKES = {
 }
 
 
+@pytest.mark.spec("chan.paths", "chan.macros")
 @pytest.mark.parametrize(("yaml", "number", "line", "column", "part"), MISTAKES.values(), ids=MISTAKES.keys())
 def test_a_mistake_is_told_at_its_place(yaml: str, number: int, line: int, column: int, part: str) -> None:
     (problem,) = problems_of(with_parameters(yaml))
@@ -119,6 +120,7 @@ def test_a_mistake_is_told_at_its_place(yaml: str, number: int, line: int, colum
     assert "hint" in problem.explained()
 
 
+@pytest.mark.spec("chan.macros")
 def test_limits_of_macros_can_be_raised() -> None:
     parameters = parameters_of(
         "configuration: {decoder: {macro_number: 300, macro_definition_number: 200, macro_symbol_len: 128}}\n"
@@ -143,6 +145,7 @@ def test_a_feed_unit_of_minus_1_is_mm_per_minute_without_a_warning() -> None:
     assert machine.channels[0].parameters.prog_start.feedrate_factor == 100.0
 
 
+@pytest.mark.spec("chan.paths")
 def test_folders_are_searched_by_kind_and_priority(tmp_path: Path) -> None:
     (tmp_path / "m.yaml").write_text(
         with_parameters(

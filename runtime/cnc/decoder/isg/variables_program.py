@@ -9,6 +9,7 @@ from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.hli.layout import Mode
 
 _INFO = "isg.var.g-program-info"
 _CYCLE = "isg.var.g-cycle-parameters"
@@ -21,6 +22,9 @@ def _number(name: str) -> float:
 
 @variable("V.G.MAIN_FILE_NAME", _INFO, "file name of the main program", kind=ValueKind.STRING)
 def main_file_name(x: Execution) -> str:
+    """- in MDI and manual mode, whose blocks are no file."""
+    if x.outside.operating_mode() in (Mode.MDI, Mode.MANUAL):
+        return "-"
     return x.frames[0].unit.text.path.name
 
 
