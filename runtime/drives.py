@@ -104,7 +104,7 @@ class DriveImage:
     FEEDBACK: Final = (
         "actual_position", "actual_velocity", "actual_torque", "drive_lag", "state", "fault_code", "mode_shown",
         "by_drive", "target_reached", "limited", "drive_inputs", "homing_state", "probe_status", "probe_position", "digital_in",
-        "analogue_in", "analogue_valid",
+        "analogue_in", "analogue_valid", "identity",
     )  # fmt: skip
     """The arrays that the bus writes; `events` and the figures come beside them. Homing by the drive sets `origin` too."""
 
@@ -149,6 +149,7 @@ class DriveImage:
         self.analogue_valid: Flags = np.zeros(
             ANALOGUE_VALUES, dtype=np.bool_
         )  # the node is there, and the value within its range
+        self.identity: npt.NDArray[np.uint32] = np.zeros((n, 3), dtype=np.uint32)  # vendor, product, serial (0x1018)
         self.events: deque[DriveEvent] = deque(maxlen=64)
         # figures for the metrics
         self.bus_load: float = 0.0  # share of the bus capacity, 0...1; of the busiest one

@@ -14,7 +14,7 @@ from runtime.diagnostics.catalogue import configuration as errors
 from runtime.diagnostics.errors import Place
 
 if TYPE_CHECKING:
-    from runtime.config.machine import Channel, Machine
+    from runtime.config.machine import AbsoluteEncoder, Axis, Channel, Machine
 
 
 def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
@@ -101,6 +101,9 @@ def _drives(machine: Machine) -> Iterator[Contradiction]:
     for index, axis in enumerate(machine.axes):
         drive = axis.drive
         by_drive = axis.homing is not None and axis.homing.method is not None
+        encoder = axis.homing.absolute if axis.homing is not None else None
+        if encoder is not None and (reason := _not_kept(axis, encoder)):
+            yield _against(index, ("homing", "absolute"), axis.name, "a reference that is kept", reason)
         if by_drive and drive is None:
             yield _against(index, ("homing", "method"), axis.name, "homing by the drive", "the axis has no drive")
         if drive is None:
@@ -123,6 +126,19 @@ def _drives(machine: Machine) -> Iterator[Contradiction]:
                 location = ("axes", index, "drive", "inputs", bit)
                 yield Contradiction(errors.NOT_UNIQUE, location, {"what": "Input", "value": name})
             names.add(name)
+
+
+def _not_kept(axis: Axis, encoder: AbsoluteEncoder) -> str:
+    """Why the reference of an axis cannot be kept, "" it can."""
+    if axis.drive is None:
+        return "the axis has no drive"
+    if axis.drive.gantry is not None:
+        return "the axis has two drives"
+    if axis.type.value == "spindle":
+        return "it is a spindle"
+    if 2.0 * encoder.moved >= encoder.turn(axis.drive.increments_per_unit):
+        return "`moved` is not below half of the range of the encoder"
+    return ""
 
 
 def _digital_names(machine: Machine) -> set[str]:

@@ -94,6 +94,19 @@ class AxisType(StrEnum):
     SPINDLE = "spindle"
 
 
+class AbsoluteEncoder(Model):
+    """An encoder that knows its place without supply: a reference that was found once is kept."""
+
+    range: Annotated[Length, Field(gt=0)] | None = (
+        None  # way after which it counts anew; default: 32 bits of increments
+    )
+    moved: Annotated[Length, Field(gt=0)] = 1.0  # how far the axis may have been moved without supply
+
+    def turn(self, increments_per_unit: float) -> float:
+        """The way after which the drive counts anew."""
+        return self.range or 2.0**32 / increments_per_unit
+
+
 class HomingSetup(Model):
     """How an axis finds its reference: by its drive if there is a `method`, else at the end of a cam, which it looks for.
 
@@ -108,6 +121,7 @@ class HomingSetup(Model):
     slow: Velocity
     position: Length = 0.0  # of the axis where it leaves the cam, or where its drive counts 0
     way: Annotated[Length, Field(gt=0)] | None = None  # greatest way in one direction; default: 1.1 times the travel
+    absolute: AbsoluteEncoder | None = None  # the encoder is absolute: a reference that was found once is kept
 
 
 class FeedHoldRamp(Model):

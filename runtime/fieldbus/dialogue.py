@@ -125,12 +125,20 @@ class NodeDialogues:
             found = ((yield Access(VERIFY_CONFIGURATION, 1)), (yield Access(VERIFY_CONFIGURATION, 2)))
             if found != link.configuration:
                 raise refused(catalogue.WRONG_CONFIGURATION, link, actual=found, expected=link.configuration)
+        if isinstance(link, DriveLink) and self._is_kept(link):
+            for k, sub in enumerate((1, 2, 4)):
+                self._image.identity[link.axis, k] = (yield Access(IDENTITY, sub)) if has(link, IDENTITY, sub) else 0
         if isinstance(link, DriveLink) and has(link, cia402.SUPPORTED_MODES):
             modes = yield Access(cia402.SUPPORTED_MODES)
             for mode in (link.mode, *sorted(link.modes)):
                 if not modes >> (mode - 1) & 1:
                     name = mode.name.lower().replace("_", " ")
                     raise refused(catalogue.MODE_UNSUPPORTED, link, mode=name, supported=modes)
+
+    def _is_kept(self, link: DriveLink) -> bool:
+        """The reference of the axis is that of this very drive."""
+        homing = self._machine.axes[link.axis].homing
+        return homing is not None and homing.absolute is not None
 
     def configure(self, link: DriveLink | IoLink) -> Dialogue:
         """Watching, profile, start-up list, process data: in this order."""

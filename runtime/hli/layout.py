@@ -963,6 +963,27 @@ class SpindleStatus(c.Structure):
     ]
 
 
+class ReferenceState(IntEnum):
+    """`state_r` of a reference."""
+
+    UNKNOWN = 0  # nothing is said yet
+    NONE = 1
+    KEPT = 2
+
+
+class KeptReference(c.Structure):
+    """What is kept of an axis with an absolute encoder; mm or degrees."""
+
+    _fields_ = [
+        ("origin_r", c.c_double),  # position of the axis where its drive counts 0
+        ("place_r", c.c_double),  # where it stands
+        ("vendor_r", c.c_uint32),  # object 0x1018 of its drive
+        ("product_r", c.c_uint32),
+        ("serial_r", c.c_uint32),
+        ("state_r", c.c_uint32),  # ReferenceState; written last
+    ]
+
+
 class Axis(c.Structure):
     """One axis or spindle."""
 
@@ -975,6 +996,7 @@ class Axis(c.Structure):
         ("reset_error_locked_r", c.c_bool),
         ("control", AxisControl),
         ("status", AxisStatus),
+        ("reference", KeptReference),
         ("spindle", SpindleStatus),
         ("job", AxisJobUnit),
         ("lc_reset", LcUnit),

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from runtime.cnc.axes.compensation import AxisCompensation
 from runtime.cnc.axes.homing import HomingDrive
 from runtime.cnc.axes.job_slots import MachineJobs
+from runtime.cnc.axes.kept_reference import KeptReferences
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.axes.supervision import (
     FAULT_DRIVE,
@@ -143,6 +144,7 @@ class Controller:
         self.jobs = MachineJobs(
             machine, hli, drives.image, self._path_list, self.channel.jobs.ordered, self, self.orders.torque_limits
         )
+        self.references = KeptReferences(machine, hli, drives.image, self._has_reference, self.shift, self.refer)
         self.beside.commands = self.orders.manual
         self.supervision.lag_monitored = self.orders.lag_monitored
         self.plc = PlcSupervision(hli, plc, machine.plc.every) if plc else None
@@ -173,6 +175,9 @@ class Controller:
         self.drives.read()
         self.publisher.inputs()
         self.orders.sample(time)
+        if self.references.axes:
+            for axis, problem in self.references.came():
+                self.alarm(problem, axis)
         if self.orders.torque_limits_changed:
             self._limit_torques()
         self._watch_axes()
@@ -186,6 +191,8 @@ class Controller:
             self.compensation.step()
         self.orders.show_limits(self.channel)
         self.publisher.status(self.orders.inputs.override)
+        if self.references.axes:
+            self.references.step()
         self.drives.write()
 
     def _move(self) -> None:
@@ -273,6 +280,11 @@ class Controller:
             self.beside.referenced[self._path_list.index(axis)] = has_reference
         else:
             self.memory.hli.axes[axis].status.referenced_r = has_reference
+
+    def _has_reference(self, axis: int) -> bool:
+        if axis in self._path_list:
+            return self.beside.referenced[self._path_list.index(axis)]
+        return bool(self.memory.hli.axes[axis].status.referenced_r)
 
     def _take_problems(self) -> list[Problem]:
         found: list[Problem] = []

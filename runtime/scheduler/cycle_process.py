@@ -40,7 +40,7 @@ from runtime.scheduler.keeping import interruption_in, retained_of
 from runtime.scheduler.plc_link import PlcProcess
 from runtime.scheduler.realtime import prepare_realtime
 from runtime.scheduler.recorded import Seam, put_border, told_alarm, watch
-from runtime.scheduler.retained import RetainedError, RetainedStore, state_directory
+from runtime.scheduler.retained import Retained, RetainedError, RetainedStore, state_directory
 from runtime.scheduler.statistics import CycleStatistics
 
 _OTHERS_LIMIT = 30.0  # s until the other processes must be up; longer where the start may take longer
@@ -86,6 +86,7 @@ class CycleProcess:
         self._stop_reason = ""
         self._told_reason: ErrorEntry | None = None
         self._parent = os.getppid()
+        self._kept = Retained()
         self._store = RetainedStore(state_directory(machine.state_directory, os.environ))
         self._positions_before: dict[str, float] = {}
 
@@ -105,6 +106,10 @@ class CycleProcess:
         if self._border is not None:
             self._border.call("restore", alarms=[asdict(alarm) for alarm in retained.alarms])
         self.controller.alarms.restore(retained.alarms)
+        self._kept = retained
+        if self._border is not None:
+            self._border.call("references", references=dict(retained.references))
+        self.controller.references.restore(retained.references)
         self.controller.channel.search.point = interruption_in(retained, len(self.machine.channels[0].axes))
         self._positions_before = dict(retained.positions)
         for problem in problems:
@@ -182,7 +187,7 @@ class CycleProcess:
         """Nobody is left to write the journal and to keep positions and alarms; called when the cycle is over."""
         print(Problem(alarms.SERVICE_LOST).explained(), file=sys.stderr)
         with contextlib.suppress(RetainedError):
-            self._store.save(retained_of(self.machine, self.memory.hli))
+            self._store.save(retained_of(self.machine, self.memory.hli, self._kept))
 
     def _wait_for_the_others(self) -> None:
         """Processes that start take the processor for some time: not while nodes watch our heartbeat."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from runtime.cnc.block_search import PointOfInterruption
 from runtime.config.machine import Machine
-from runtime.hli.layout import Hli
+from runtime.hli.layout import Hli, ReferenceState
 from runtime.hli.memory import put_text
 from runtime.hli.units import LENGTH
 from runtime.scheduler.alarms import history
@@ -21,11 +22,14 @@ class Keeper:
 
     def __init__(self, machine: Machine, store: RetainedStore) -> None:
         self._machine, self._store = machine, store
-        self._kept: Retained | None = None
+        self._before: Retained | None = None  # what was kept last, by this run or by the one before
+        self._kept: Retained | None = None  # what this run has written
 
     def keep(self, hli: Hli) -> None:
         """Once a second, and at the end."""
-        data = retained_of(self._machine, hli)
+        if self._before is None:
+            self._before, _ = self._store.load()
+        data = retained_of(self._machine, hli, self._before)
         if data == self._kept:  # disks wear out
             return
         platform = hli.platform
@@ -36,16 +40,39 @@ class Keeper:
                 put_text(platform, "not_retained_text_w", error.problem.text)
                 platform.not_retained_w = True
         else:
-            self._kept = data
+            self._kept = self._before = data
             platform.not_retained_w = False
 
 
-def retained_of(machine: Machine, hli: Hli) -> Retained:
-    """Positions of all axes (mm, degrees), zero offsets, where the program was interrupted, alarm history."""
+def retained_of(machine: Machine, hli: Hli, before: Retained | None = None) -> Retained:
+    """Positions of all axes (mm, degrees), zero offsets, references, where the program was interrupted, alarm history.
+
+    `before`: what was kept until now, of axes of which nothing is said yet.
+    """
+    references = _references(machine, hli, {} if before is None else before.references)
     positions = {axis.name: hli.axes[i].status.actual_position_r * LENGTH for i, axis in enumerate(machine.axes)}
     offsets = {channel.name: dict(channel.zero_offsets) for channel in machine.channels}
     point = point_in(hli, len(machine.channels[0].axes))
-    return Retained(positions, offsets, history(hli), {} if point is None else _kept(point))
+    return Retained(positions, offsets, history(hli), references, {} if point is None else _kept(point))
+
+
+def _references(machine: Machine, hli: Hli, before: Mapping[str, Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+    """Of the axes with an absolute encoder that have been homed."""
+    found: dict[str, Mapping[str, Any]] = {}
+    for area, axis in zip(hli.axes, machine.axes, strict=False):
+        reference = area.reference
+        if axis.homing is None or axis.homing.absolute is None or axis.drive is None:
+            continue
+        if reference.state_r == ReferenceState.KEPT:
+            found[axis.name] = {
+                "origin": float(reference.origin_r),
+                "place": float(reference.place_r),
+                "identity": [int(reference.vendor_r), int(reference.product_r), int(reference.serial_r)],
+                "increments_per_unit": axis.drive.increments_per_unit,
+            }
+        elif reference.state_r == ReferenceState.UNKNOWN and axis.name in before:
+            found[axis.name] = before[axis.name]
+    return found
 
 
 def _kept(point: PointOfInterruption) -> dict[str, Any]:

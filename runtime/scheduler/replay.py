@@ -306,6 +306,8 @@ class Replay:
             controller.alarm(Problem(entry, values["values"], Place(*values["place"])), values["axis"])
         elif name == "restore":
             controller.alarms.restore(RetainedAlarm(**alarm) for alarm in values["alarms"])
+        elif name == "references":
+            controller.references.restore(values["references"])
         elif name == "stop":
             controller.stop()
 

@@ -53,6 +53,9 @@ class Retained:
     positions: Mapping[str, float] = field(default_factory=dict)  # axis name -> position
     zero_offsets: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)  # channel, G5x, axis
     alarms: tuple[RetainedAlarm, ...] = ()  # oldest first, GREATEST_HISTORY at most are kept
+    references: Mapping[str, Mapping[str, Any]] = field(
+        default_factory=dict
+    )  # axis with an absolute encoder, see `keeping`
     interruption: Mapping[str, Any] = field(default_factory=dict)  # see `keeping`; empty: no program was interrupted
 
 

@@ -41,7 +41,15 @@ class Loader(Program):
 class Rig:
     """The demo machine with a rotary table beside its channel, and a PLC program that calls what the test gives it."""
 
-    def __init__(self, folder: Path, *, ideal: bool = True, table: str = TABLE) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        ideal: bool = True,
+        table: str = TABLE,
+        prepare: Callable[[Simulation], None] = lambda simulation: None,
+    ) -> None:
+        """`prepare` is called before the first cycle."""
         text = DEMO_MACHINE.read_text().replace("channels:\n", table + "channels:\n", 1)
         text = text.replace("runtime.demo.plc:DemoMill", "loader.py").replace("watchdog: 300 ms", "watchdog: 50 ms")
         (folder / "machine.yaml").write_text(text)
@@ -49,6 +57,7 @@ class Rig:
         self.folder = folder
         self.machine: Machine = load_machine(folder / "machine.yaml")
         self.simulation = Simulation(self.machine, ideal_axes=ideal, base=folder)
+        prepare(self.simulation)
         self.image = self.simulation.drives.image
         self.hli = self.simulation.memory.hli
         self.table = self.machine.axis_index("B")

@@ -132,6 +132,18 @@ NOT_REFERENCED = ErrorEntry(
     "the program does not start: axis {axis} has no reference",
     remedy="home it: mode HOMING with the blocks G74 {axis}1",
 )
+REFERENCE_OTHER_DRIVE = ErrorEntry(
+    306047,
+    "the reference of axis {axis} is lost: it has another drive than the one that it was found with (object 0x1018)",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="home the axis",
+)
+REFERENCE_MOVED = ErrorEntry(
+    306048,
+    "the reference of axis {axis} is lost: it stands at {now:.3f} and stood at {before:.3f}, {moved:g} is the most it may be moved",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="home the axis; one that may be moved further without supply needs a greater homing.absolute.moved",
+)
 TORQUE_LIMIT_UNKNOWN = ErrorEntry(
     306049,
     "the PLC limits the torque of axis {axis}, and its drive gets no torque limit",
