@@ -140,7 +140,7 @@ REFERENCE_OTHER_DRIVE = ErrorEntry(
 )
 REFERENCE_MOVED = ErrorEntry(
     306048,
-    "the reference of axis {axis} is lost: it stands at {now:.3f} and stood at {before:.3f}, {moved:g} is the most it may be moved",
+    "the reference of axis {axis} is lost: it stands at {now:.3f} and stood at {before:.3f}, and may be moved by {moved:g}",
     reaction=Reaction.STOP_ON_PATH,
     remedy="home the axis; one that may be moved further without supply needs a greater homing.absolute.moved",
 )
