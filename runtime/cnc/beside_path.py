@@ -32,7 +32,9 @@ from runtime.hli.manual import ManualCommands
 Floats = npt.NDArray[np.float64]
 
 RANK_BITS = 4
-GATES = frozenset({GateReason.MANUAL, GateReason.MANUAL_END, GateReason.HOMING, GateReason.TAKE_OVER})
+GATES = frozenset(
+    {GateReason.MANUAL, GateReason.MANUAL_END, GateReason.HOMING, GateReason.TAKE_OVER, GateReason.SET_POSITION}
+)
 ACTIONS = frozenset({ActionKind.MANUAL_ON, ActionKind.MANUAL_PARAMETER})
 _VALUES = tuple(ManualValue)
 _LOOK_AHEAD = 512  # elements of the path that are looked at for software limits
@@ -197,6 +199,16 @@ class BesidePath:
         self.offset[:] = 0.0
         self.engaged = any(hand.released for hand in self.axes)
         return taken
+
+    def set_position(self, gate: QueueRecord, path: Interpolator, *, locked: bool) -> None:
+        """SET_POSITION, where everything stands and nothing is beside the path: no axis moves, it counts anew."""
+        k, place = gate.number, path.position.copy()
+        shift = gate.value if gate.offset else gate.value - float(place[k])
+        place[k] += shift
+        path.resume_at(place)
+        if not locked:
+            self._shift(k, shift)
+            self.referenced[k] = True
 
     def _hand_away(self, gate: QueueRecord) -> Passage:
         """G202: what was begun by hand is finished, or dropped if the channel is configured so (P-CHAN-00113)."""

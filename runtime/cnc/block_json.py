@@ -23,6 +23,7 @@ from runtime.cnc.blocks import (
     Message,
     Polyline,
     Polynomials,
+    PositionSetting,
     Source,
     SpatialArc,
     SpindleSetting,
@@ -135,6 +136,9 @@ def _action(block: Block) -> Iterator[Row]:
             yield {**_source(block.source, "manual parameter"), "kind": block.what.value, **values}
         case Homing():
             yield {**_source(block.source, "homing"), "order": list(block.ranks)}
+        case PositionSetting():
+            row = _source(block.source, "set position") | {"axis": block.axis}
+            yield row | {"offset" if block.relative else "position": block.value}
 
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:

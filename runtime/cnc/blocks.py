@@ -347,15 +347,35 @@ class StopMark:
     user: int = 0
 
 
+class LimitBehaviour(Enum):
+    """What happens where the path leads beyond a software limit."""
+
+    ERROR = "refused before it is driven"
+    ERROR_LR = "a warning, and the path stops when the axis has got there"
+    WARNING = "a warning"
+
+
 @dataclass(frozen=True, slots=True)
 class SoftwareLimitChange:
-    """G98, G99: the software limits from here on, (negative, positive) per axis, ±inf where there is none.
+    """G98, G99, POS_LIMIT: the software limits from here on, (negative, positive) per axis, ±inf where there is none.
 
-    Taken by the stage that watches the limits; it does not reach the queue.
+    `behaviour` per axis; () is ERROR for all. Taken by the stage that watches the limits, which hands on what the cycle watches.
     """
 
     source: Source
     limits: tuple[tuple[float, float], ...]
+    behaviour: tuple[LimitBehaviour, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ActualLimit:
+    """The actual position of an axis is watched from here on; ±inf: no longer. `stops`: the path stops beyond (ERROR_LR)."""
+
+    source: Source
+    axis: int
+    low: float
+    high: float
+    stops: bool = False
 
 
 class Approach(IntEnum):
@@ -809,6 +829,17 @@ class TakeOver:
 
 
 @dataclass(frozen=True, slots=True)
+class PositionSetting:
+    """SET_POSITION: the axis stands at `value` from here on, or (`relative`) so much further; machine coordinates, mm or degrees.
+    The decoder waits for it."""
+
+    source: Source
+    axis: int
+    value: float
+    relative: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class PathRestart:
     """The axes stand somewhere else than the last motion has ended: the next one begins there."""
 
@@ -901,6 +932,7 @@ Block = (
     | StepEnd
     | StopMark
     | SoftwareLimitChange
+    | ActualLimit
     | DynamicsChange
     | RadiusCompensation
     | ContourChange
@@ -922,6 +954,7 @@ Block = (
     | ManualParameter
     | Homing
     | TakeOver
+    | PositionSetting
     | PathRestart
     | OptionalSection
     | DistanceMark

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
+from runtime.cnc.actual_limits import ActualLimits
 from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops, Way
@@ -118,6 +119,7 @@ class Channel:
         self._delete_distance = DeleteDistance(interpolator)
         self.jobs = ProgramJobs(axis_names)
         self.search = BlockSearching(SearchPartner(area.control.block_search_on, area.status))
+        self.actual_limits = ActualLimits([axis_names[i] for i in axes])
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
@@ -191,6 +193,7 @@ class Channel:
         self.queue.discard_all()
         self.beside.begin()
         self.jobs.begin()
+        self.actual_limits.begin()
         self.search.begin(order, locked=locked)
         self._delete_distance.begin()
         self.backward.begin(off=not keeps_path)
@@ -369,6 +372,8 @@ class Channel:
             self.problems.append(problem)
         if self.phase is Phase.RUNNING and (problem := self.jobs.step()) is not None:
             self.problems.append(problem)
+        if (problem := self.actual_limits.step(actual, self._axes)) is not None:
+            self.problems.append(problem)
         passed = path.passed
         if again:
             self._pass_again(passed)
@@ -503,6 +508,8 @@ class Channel:
             elif record.action is ActionKind.AXIS_JOB:
                 if self.phase is Phase.RUNNING:  # what is passed while the path brakes for an abort moves nothing
                     self.jobs.order(read_job(self.queue, index), locked=self.locked)
+            elif record.action is ActionKind.ACTUAL_LIMIT:
+                self.actual_limits.act(record)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
             elif record.action is ActionKind.DISTANCE_BEGIN:

@@ -331,6 +331,8 @@ class Gates:
         self._settling = 0.0
         if gate.reason is not GateReason.MANUAL_END:
             taken = beside.take_over(path)
+            if gate.reason is GateReason.SET_POSITION:
+                beside.set_position(gate, path, locked=self._locked)
             around.link.reach(path.position, self._actual[around.axes], taken)
         return self._open(gate)
 

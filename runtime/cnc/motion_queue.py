@@ -83,6 +83,7 @@ class GateReason(IntEnum):
     MANUAL_END = 21  # G202: the motion by hand has ended
     HOMING = 22  # G74: the axes have their reference
     TAKE_OVER = 23  # the path goes on from where the axes are
+    SET_POSITION = 24  # an axis counts anew where it stands
     SEARCH_BEGIN = 30  # block search: see blocks.SearchStep
     SEARCH_END = 31
     SEARCH_RETURN = 32
@@ -109,6 +110,7 @@ class ActionKind(IntEnum):
     DISTANCE_END = 13  # `end`: what every axis travels in the section
     SEARCH_PLACE = 14  # the program goes on here after a block search
     NOTHING = 15  # was something that is left out
+    ACTUAL_LIMIT = 16  # POS_LIMIT with ERROR_LR or WARNING
 
 
 RECORD = np.dtype(

@@ -28,6 +28,8 @@ class QueueRecord(NamedTuple):
     - tool life: its command (position in `LifeCommand`), and the distance (mm) or its factor; `seconds` the time (s) or its
       factor; `offset`, `size`, `feed`: basic, sister and variant number.
     - G200, G201, G202: the axes as bits; G74: four bits per axis, its turn;
+    - SET_POSITION: the axis, and the position, or with `offset` 1 the way;
+    - limits of an actual position: the axis, and the lower one; `seconds` the upper one, `offset` 1: the path stops;
     - a parameter of manual mode: the axis, and the first value; `offset` its kind (position in `ManualValue`), `size` its stage,
       `seconds` the second value.
     """

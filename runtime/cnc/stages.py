@@ -37,5 +37,5 @@ def prepared(
     """
     compensated = ToolRadiusCompensation()(late(blocks))
     smoothed = smooth(SpatialArcs()(compensated), axes, warnings)
-    limited = limits(CornerDecelerations()(smoothed))
+    limited = limits(CornerDecelerations()(smoothed), warnings)
     return limited if joints is None else MicroJoints(joints, warnings)(limited)

@@ -160,6 +160,11 @@ class Axis(Model):
     compensation: Compensation | None = None
     gear_stages: Several[GearStage] = Field(default=(), max_length=6)  # of a spindle; without: one stage
 
+    @property
+    def turns_without_end(self) -> bool:
+        """A rotary axis without software limits: a modulo axis."""
+        return self.type is AxisType.ROTARY and self.position_min is None and self.position_max is None
+
     @model_validator(mode="after")
     def _limits_in_order(self) -> Axis:
         if self.position_min is not None and self.position_max is not None and self.position_min >= self.position_max:

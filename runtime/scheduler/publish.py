@@ -19,6 +19,7 @@ from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
 LENGTH = 1e4  # 0.1 µm per mm, 0.0001 degrees per degree
+TURN = 360.0  # degrees
 SPEED = 1e3  # µm/s per mm/s, 0.001 degrees/s per degree/s
 _WAIT_TECHNOLOGY = int(StopCondition.WAIT_TECHNOLOGY)
 _WAIT_CONTINUE = int(StopCondition.WAIT_CONTINUE)
@@ -54,20 +55,28 @@ def _fill_axes(
     torque: Floats,
     lag: Floats,
     window: Floats,
+    turn: Floats,
     state: npt.NDArray[np.int8],
     faults: npt.NDArray[np.int8],
     fault_code: npt.NDArray[np.int32],
     active: bool,
     held: bool,
 ) -> bool:
-    """Fill the status of every axis; whether all are in position. Arrays (n_axes,); `areas` by `_AXIS_ELEMENTS`."""
+    """Fill the status of every axis; whether all are in position. Arrays (n_axes,); `areas` by `_AXIS_ELEMENTS`.
+
+    `turn` (n_axes,): degrees in which positions of axes that turn without end are shown, 0 for others.
+    """
     all_in_position = True
     for i in range(target.shape[0]):
         area = areas[i]
         enabled = state[i] == _ENABLED
         in_position = abs(lag[i]) <= window[i]
-        area["command_position_r"] = int(target[i] * LENGTH)
-        area["actual_position_r"] = int(actual[i] * LENGTH)
+        command, place = target[i], actual[i]
+        if turn[i] > 0.0:
+            command -= turn[i] * np.floor(command / turn[i])
+            place -= turn[i] * np.floor(place / turn[i])
+        area["command_position_r"] = int(command * LENGTH)
+        area["actual_position_r"] = int(place * LENGTH)
         area["position_lag_r"] = int(lag[i] * LENGTH)
         area["actual_velocity_r"] = int(velocity[i] * SPEED)
         area["actual_torque_r"] = int(torque[i] * 1000.0)
@@ -93,7 +102,7 @@ def _warm() -> None:
     areas = records(Hli().axes, 1, *_AXIS_ELEMENTS)
     floats, states = np.zeros(1), np.zeros(1, dtype=np.int8)
     codes = np.zeros(1, dtype=np.int32)
-    _fill_axes(areas, floats, floats, floats, floats, floats, floats, states, states, codes, False, False)
+    _fill_axes(areas, floats, floats, floats, floats, floats, floats, floats, states, states, codes, False, False)
 
 
 class Publisher:
@@ -114,6 +123,7 @@ class Publisher:
         self._channel = channel
         self._status = hli.channels[0].status
         self._platform = hli.platform
+        self._turn = np.array([TURN if axis.turns_without_end else 0.0 for axis in machine.axes])
         self._axes = records(hli.axes, len(machine.axes), *_AXIS_ELEMENTS)
         self._source = (-2, False)
         self._spindles = [(spindle, hli.axes[spindle.index].spindle) for spindle in channel.spindles]
@@ -189,6 +199,7 @@ class Publisher:
             image.actual_torque,
             supervision.lag,
             supervision.window,
+            self._turn,
             image.state,
             supervision.faults,
             image.fault_code,

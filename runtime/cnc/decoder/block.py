@@ -102,7 +102,7 @@ class WordBlocks:
             value = values[slot]
             if inch and linear[axis]:
                 value *= INCH
-            if motion == 0 and not incremental and axis in x.modulo_axes:
+            if axis in x.modulo.ranges:
                 return False
             place = value * gain[axis] + (end[axis] if incremental else shift[axis])
             if not (-POSITION_LIMIT <= place <= POSITION_LIMIT and -POSITION_LIMIT <= value <= POSITION_LIMIT):

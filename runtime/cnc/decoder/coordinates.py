@@ -72,6 +72,7 @@ class Coordinates:
     shift: list[float] = field(default_factory=list)
     travelled: tuple[list[float], list[float]] = ([], [])
     last_rotation: Rotation | None = None
+    turns: list[float] = field(default_factory=list)  # by which the machine counts further than the program, degrees
     left_out: frozenset[str] = frozenset()  # kinds of offsets that the block in work leaves out
 
     @classmethod
@@ -79,6 +80,7 @@ class Coordinates:
         """At a machine position, nothing selected."""
         n = len(position)
         made = cls([float(p) for p in position], Offsets.none(n), [1.0] * n, [1.0] * n, [1.0] * n)
+        made.turns = [0.0] * n
         made.update()
         made.travelled = (made.gain, made.shift)
         return made
@@ -108,7 +110,7 @@ class Coordinates:
             "MEASURE": o.measuring,
         }
         kept = [values for kind, values in kinds.items() if kind not in self.left_out]
-        self.shift = [sum((values[i] for values in kept), 0.0) for i in axes]
+        self.shift = [sum((values[i] for values in kept), self.turns[i]) for i in axes]
 
     def suppress(self, kinds: Iterable[str]) -> None:
         """Leave out kinds of offsets (the keys of #SUPPRESS OFFSETS) until `resume`."""

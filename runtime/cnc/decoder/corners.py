@@ -32,6 +32,7 @@ from runtime.cnc.blocks import (
     Line,
     ManualMotion,
     Polyline,
+    PositionSetting,
     Source,
     SpatialArc,
     Stop,
@@ -169,7 +170,7 @@ class _Held:
         """The block, if the next motion can still come behind it."""
         if isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
             raise self.error(catalogue.CORNER_OPEN)
-        if isinstance(block, Homing | ManualMotion | TakeOver) or (
+        if isinstance(block, Homing | ManualMotion | TakeOver | PositionSetting) or (
             isinstance(block, Flush) and block.kind is FlushKind.WAIT
         ):
             raise self.error(catalogue.CORNER_WAIT, wait_line=block.source.line)

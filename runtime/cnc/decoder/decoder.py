@@ -97,7 +97,7 @@ class Decoder:
         self._interrupted = interrupted
         self._idle_limit = idle_limit
         self._idle = 0
-        self._plain = PlainRuns(setup.axes, POSITION_LIMIT, setup.modulo_axes)
+        self._plain = PlainRuns(setup.axes, POSITION_LIMIT)
         main = program.unit.main
         assert main is not None
         x.frames.append(Frame(program.unit, main, main.begin, Level.MAIN, name=main.name))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.cnc.blocks import Block, BlockEnd, Dwell, ExactStop, Floats, Polyline, Source, StepEnd
+from runtime.cnc.blocks import Block, BlockEnd, Dwell, ExactStop, Floats, LimitBehaviour, Polyline, Source, StepEnd
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -26,6 +26,7 @@ from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import syntaxes
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Motion, Plane
+from runtime.cnc.decoder.modulo import ModuloAxes
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
@@ -139,7 +140,9 @@ class Execution:
             for low, high in setup.position_limits or ((None, None),) * len(setup.axes)
         )
         self.soft_limits = list(self.configured_limits)
-        self.modulo_axes = setup.modulo_axes
+        self.limit_behaviour = [LimitBehaviour.ERROR] * len(setup.axes)
+        self.last_limits: dict[int, tuple[float, float]] = {}  # of POS_LIMIT ON, mm or degrees
+        self.modulo = ModuloAxes.of(setup.modulo_axes, always_shortest=setup.always_shortest)
         self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else
         self.manual_axes: set[int] = set()  # moved by hand beside the path (G201)
         self.manual_offsets = [0.0] * len(setup.axes)  # V.A.MANUAL_OFFSETS, mm or degrees
@@ -366,6 +369,10 @@ class Execution:
     def shown(self, axis: int, value: float) -> float:
         """A value of an axis as the program sees it: inch where inch is selected."""
         return value / INCH if self.modal.inch and self.setup.linear[axis] else value
+
+    def counted(self, axis: int, position: float) -> float:
+        """A machine position of an axis as the program counts it: without the turns that it leaves out."""
+        return self.modulo.shown(axis, position - self.coordinates.turns[axis])
 
     def shown_length(self, value: float) -> float:
         """A length as the program sees it."""

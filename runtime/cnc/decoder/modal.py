@@ -60,6 +60,7 @@ class ModalState:
     feed_mode: FeedMode = FeedMode.PER_MINUTE
     feeds: dict[FeedMode, float] = field(default_factory=dict)
     radius: float | None = None  # mm, of circles by radius; negative for the longer arc
+    centre: dict[int, float] = field(default_factory=dict)  # I 0, J 1, K 2 that hold on, mm (P-CHAN-00159)
     speed: float = 0.0  # rev/min of the main spindle
     exact_stop: bool = False  # G360, G359
     contouring: bool = False  # G261, G260
@@ -85,4 +86,5 @@ class ModalState:
         names = self.__slots__
         made = ModalState(**{name: getattr(self, name) for name in names})
         made.feeds = dict(self.feeds)
+        made.centre = dict(self.centre)
         return made

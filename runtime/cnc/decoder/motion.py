@@ -13,9 +13,11 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
 from runtime.cnc.decoder.feed_change import changing_arc, changing_line
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion, Plane
+from runtime.cnc.decoder.modulo import modulo_end
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.isg.words import WordKind
+from runtime.diagnostics.catalogue import axes
 from runtime.diagnostics.catalogue import language as catalogue
 
 POSITION_LIMIT = 214_000.0  # mm or degrees (programming manual line 1974)
@@ -50,26 +52,48 @@ def dwell_time(x: Execution, seconds: float, column: int) -> None:
 def target(x: Execution, block: CompiledBlock) -> list[float]:
     """Machine position that the axis words of the block lead to; LineError beyond the range of positions.
 
-    With G00 and G90 an axis that turns without end takes the shorter way, at most half a turn (line 2154).
+    With G90 an axis that turns without end goes to the position in the direction of the sign behind its name, less than a
+    turn; without a sign it takes the shorter way (line 29123).
     """
     words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
+    directions = _directions(x, block, words) if block.signs or x.modulo.ranges else {}
     end = x.coordinates.target(words, x.incremental_words or x.modal.incremental)
     for axis, programmed in words.items():
         if not abs(programmed) <= POSITION_LIMIT:
             raise _out_of_range(x, block, axis, programmed)
     expect_in_range(x, block, end)
-    if x.modal.motion is Motion.RAPID:
-        for axis in x.modulo_axes & words.keys():
-            if not x.incremental_words.get(axis, x.modal.incremental):
-                now = x.coordinates.position[axis]
-                end[axis] = now + math.remainder(end[axis] - now, 360.0)
+    for axis, direction in directions.items():
+        turned = direction if x.coordinates.gain[axis] > 0.0 else -direction  # a mirrored axis turns the other way
+        end[axis] = modulo_end(x.coordinates.position[axis], end[axis], x.modulo.size(axis), turned)
     return end
+
+
+def _directions(x: Execution, block: CompiledBlock, words: dict[int, float]) -> dict[int, int]:
+    """Of the axes that turn without end and get an absolute word: 1, -1, or 0 for the shorter way. The first sign of a word is
+    taken out of its value in `words`, since it is the direction alone."""
+    signs = dict(block.signs)
+    directions = {}
+    for axis, value in words.items():
+        given = signs.get(axis, "")
+        sign = 0 if not given else -1 if given[0] == "-" else 1
+        if axis not in x.modulo.ranges:
+            if len(given) > 1:
+                raise LineError(axes.TWO_SIGNS, block.column(WordKind.AXIS, axis), axis=x.setup.axes[axis])
+        elif not x.incremental_words.get(axis, x.modal.incremental):
+            if x.modulo.always_shortest:
+                sign = 0
+            directions[axis] = sign
+            words[axis] = value * sign if sign else value
+        elif sign and value * sign < 0.0:
+            column = block.column(WordKind.AXIS, axis)
+            raise LineError(axes.MODULO_NEGATIVE, column, axis=x.setup.axes[axis], value=value * sign)
+    return directions
 
 
 def expect_in_range(x: Execution, block: CompiledBlock, end: list[float]) -> None:
     """LineError for a machine position beyond the range of positions."""
     for axis, value in enumerate(end):
-        if not abs(value) <= POSITION_LIMIT:
+        if not abs(value) <= POSITION_LIMIT and axis not in x.modulo.ranges:
             raise _out_of_range(x, block, axis, value)
 
 
@@ -88,11 +112,25 @@ def move(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
         raise LineError(catalogue.CENTRE_WITHOUT_CIRCLE, column, letter=letter, motion=int(modal.motion))
     end = target(x, block)
     if circle:
+        if x.setup.modal_centre:
+            _keep_centre(x)
         require_feed(x, block)
         _arc(x, block, end, corner)
     else:
         straight(x, block, end, corner)
     coordinates.moved(end)
+
+
+def _keep_centre(x: Execution) -> None:
+    """I, J and K of the centre hold for the circles behind, too, until a radius is programmed (P-CHAN-00159)."""
+    kept = x.modal.centre
+    letters = ["IJK".index(letter) for letter in PLANES[x.modal.plane][1]]
+    given = {index: x.length(x.letters[index]) for index in letters if index in x.letters}
+    if not given and x.modal.radius is not None:
+        kept.clear()
+        return
+    kept |= given
+    x.letters |= {index: x.shown_length(kept[index]) for index in letters if index in kept and index not in given}
 
 
 def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:

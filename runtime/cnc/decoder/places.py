@@ -6,7 +6,7 @@ it begins anew at that place.
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Homing, ManualMotion, PathRestart, TakeOver
+from runtime.cnc.blocks import Homing, ManualMotion, PathRestart, PositionSetting, TakeOver
 from runtime.cnc.decoder.execution import Execution
 
 
@@ -16,7 +16,7 @@ class _AtPlace:
     __slots__ = ()
 
 
-def waits_for_place(x: Execution, block: ManualMotion | Homing | TakeOver, reason: str) -> bool:
+def waits_for_place(x: Execution, block: ManualMotion | Homing | TakeOver | PositionSetting, reason: str) -> bool:
     """Hand over `block` and wait until the cycle has told where the axes are; FALSE when they are known."""
     if isinstance(x.waiting, _AtPlace):
         x.waiting = None
@@ -30,7 +30,7 @@ def waits_for_place(x: Execution, block: ManualMotion | Homing | TakeOver, reaso
     return True
 
 
-def begin_where_axes_are(x: Execution, block: ManualMotion | Homing, reason: str) -> None:
+def begin_where_axes_are(x: Execution, block: ManualMotion | Homing | TakeOver | PositionSetting, reason: str) -> None:
     """The axes are moved by something else; then the program goes on from where they stand."""
     if waits_for_place(x, block, reason):
         return

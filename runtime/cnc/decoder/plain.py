@@ -10,8 +10,9 @@ import numpy as np
 from runtime.cnc.blocks import Block, Floats, Polyline
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.modal import INCH, PLANE_AXES, Motion
+from runtime.cnc.decoder.modulo import modulo_end
 from runtime.cnc.language.isg.index import Unit
-from runtime.cnc.language.isg.scan import NO_MOTION, Ints, PlainRows
+from runtime.cnc.language.isg.scan import NO_MOTION, PLUS, Ints, PlainRows
 from runtime.kernels import kernel, warms
 
 CHUNK = 4096  # moves per polyline
@@ -36,7 +37,8 @@ def trace_plain(
     feed_factor: float,
     offset: Floats,
     limit: float,
-    modulo: int,
+    modulo: Floats,
+    shortest: bool,
     position: Floats,
     points: Floats,
     feeds: Floats,
@@ -46,8 +48,8 @@ def trace_plain(
     """Trace the rows `first` to before `count` from `position` on, which is moved along.
 
     `mode` 0 or 1 is the path condition, above 1 a circle; `feed_now` in mm/min, NaN for none. Stops in front of a row
-    that needs the full decoder (a circle, a missing or wrong feed, a position out of range, rapid of an axis of the bits
-    `modulo`) and when `feeds` is full.
+    that needs the full decoder (a circle, a missing or wrong feed, a position out of range) and when `feeds` is full.
+    `modulo` (n,) are the ranges of axes that turn without end, 0 for others; `shortest`: their signs choose no direction.
     Returns the next row, the count of moves, mode and feed. `points` gets the position before the first move first.
     """
     axes = position.size
@@ -65,15 +67,25 @@ def trace_plain(
         if bits != 0:
             if mode_here > 1 or (mode_here == 1 and not feed_here > 0):
                 break
-            if mode_here == 0 and not incremental and bits & modulo:
-                break
             inside = True
             for axis in range(axes):
                 target = position[axis]
                 if bits & (1 << axis):
                     programmed = values[row, axis] * factor[axis]
-                    target = target + programmed if incremental else programmed + offset[axis]
-                    if not (abs(target) <= limit and abs(programmed) <= limit):
+                    if modulo[axis] == 0.0:
+                        target = target + programmed if incremental else programmed + offset[axis]
+                        if not abs(target) <= limit:
+                            inside = False
+                    elif incremental:
+                        target = target + programmed
+                    elif shortest or (bits >> PLUS & (1 << axis) == 0 and not np.signbit(values[row, axis])):
+                        target = modulo_end(target, programmed + offset[axis], modulo[axis], 0)
+                    else:
+                        direction = -1 if np.signbit(programmed) else 1  # mirrored axes turn the other way
+                        target = modulo_end(
+                            target, abs(values[row, axis]) * factor[axis] + offset[axis], modulo[axis], direction
+                        )
+                    if not abs(programmed) <= limit:
                         inside = False
                 points[moves + 1, axis] = target
             if not inside:
@@ -101,9 +113,8 @@ class NeedsFull:
 class PlainRuns:
     """Executes runs of plain blocks of one decoder."""
 
-    def __init__(self, axes: tuple[str, ...], limit: float, modulo: frozenset[int]) -> None:
+    def __init__(self, axes: tuple[str, ...], limit: float) -> None:
         self._axes = axes
-        self._modulo = sum(1 << axis for axis in modulo)
         self._limit = limit
         self._kept: dict[tuple[int, int], tuple[PlainRows, int]] = {}
 
@@ -165,7 +176,8 @@ class PlainRuns:
             feed_factor,
             shift,
             self._limit,
-            self._modulo,
+            np.array([x.modulo.size(axis) for axis in range(len(position))]),
+            x.modulo.always_shortest,
             position,
             points,
             feeds,
@@ -213,7 +225,8 @@ def _warm() -> None:
         1.0,
         zeros,
         1e6,
-        0,
+        zeros,
+        False,
         np.zeros(3),
         np.zeros((2, 3)),
         np.zeros(1),

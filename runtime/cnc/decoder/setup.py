@@ -229,6 +229,8 @@ class DecoderSetup:
     other_axes: tuple[OtherAxis, ...] = ()  # without spindles
     job_units: bool = False  # P-CHAN-00182
     jobs_wait: bool = False  # P-CHAN-00359
+    modal_centre: bool = False  # P-CHAN-00159: I, J, K hold for following circles
+    always_shortest: bool = False  # P-CHAN-00346: signs choose no direction of axes that turn without end
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -334,6 +336,8 @@ class DecoderSetup:
             ),
             job_units=parameters.plcopen_std_unit,
             jobs_wait=parameters.plcopen_implicit_sync,
+            modal_centre=parameters.modal_i_j_k_for_circle,
+            always_shortest=parameters.enable_mod_axis_always_shortest_way,
             radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,
         )
 

@@ -12,6 +12,7 @@ from runtime.cnc.blocks import (
     ManualMotion,
     ManualParameter,
     ManualValue,
+    PositionSetting,
     TakeOver,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
@@ -21,7 +22,7 @@ RANK_BITS = 4  # of an axis in the record of G74
 _VALUES = tuple(ManualValue)
 
 
-def beside_path(record: Records, block: ManualMotion | ManualParameter | Homing | TakeOver) -> bool:
+def beside_path(record: Records, block: ManualMotion | ManualParameter | Homing | TakeOver | PositionSetting) -> bool:
     """Fill the record of the block; whether the decoder waits until the path has come there and everything is done."""
     record["kind"] = RecordKind.GATE
     match block:
@@ -40,6 +41,10 @@ def beside_path(record: Records, block: ManualMotion | ManualParameter | Homing 
         case Homing():
             record["reason"] = GateReason.HOMING
             record["number"] = sum(rank << RANK_BITS * axis for axis, rank in enumerate(block.ranks))
+            return True
+        case PositionSetting():
+            record["reason"] = GateReason.SET_POSITION
+            record["number"], record["value"], record["offset"] = block.axis, block.value, block.relative
             return True
         case TakeOver():
             record["reason"] = GateReason.TAKE_OVER

@@ -40,6 +40,7 @@ from runtime.cnc.blocks import (
     PathRestart,
     Polyline,
     Polynomials,
+    PositionSetting,
     SearchArea,
     SearchGate,
     SearchMark,
@@ -206,6 +207,8 @@ class BlockSearchStage:
                 self._refuse(block.source, "a job of an axis")
             case Homing():
                 self._refuse(block.source, "homing (G74)")
+            case PositionSetting():
+                self._refuse(block.source, "SET_POSITION")
             case TakeOver():
                 self._refuse(block.source, "the taking over of offsets by hand")
             case ManualMotion(kind=ManualKind.EXCLUSIVE):

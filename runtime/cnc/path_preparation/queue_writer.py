@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from runtime.cnc.blocks import (
     AHEAD,
+    ActualLimit,
     Arc,
     AxisJob,
     AxisJobWait,
@@ -43,6 +44,7 @@ from runtime.cnc.blocks import (
     PathRestart,
     Polyline,
     Polynomials,
+    PositionSetting,
     Receiver,
     SearchArea,
     SearchGate,
@@ -387,7 +389,11 @@ class QueueWriter:
             case PathRestart():
                 self._before = self._place = self._block_end = None
                 return record[:0]
-            case ManualMotion() | ManualParameter() | Homing() | TakeOver():
+            case ActualLimit():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.ACTUAL_LIMIT
+                record["number"], record["value"], record["seconds"] = block.axis, block.low, block.high
+                record["offset"] = block.stops
+            case ManualMotion() | ManualParameter() | Homing() | TakeOver() | PositionSetting():
                 self._flushing = beside_path(record, block)
                 if self._left.changed_by(block):
                     self._limits.change_axes(self._left.now)

@@ -13,12 +13,22 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Arc, Block, Line, Polyline, Polynomials, SoftwareLimitChange
+from runtime.cnc.blocks import (
+    ActualLimit,
+    Arc,
+    Block,
+    LimitBehaviour,
+    Line,
+    Polyline,
+    Polynomials,
+    SoftwareLimitChange,
+)
 from runtime.cnc.geometry.elements import cosine_range
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
 from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue.axes import LIMIT_WARNING
 from runtime.diagnostics.catalogue.motion import SOFTWARE_LIMIT
-from runtime.diagnostics.errors import Place
+from runtime.diagnostics.errors import Place, Problem
 from runtime.kernels import kernel, warms
 
 Floats = npt.NDArray[np.float64]
@@ -86,7 +96,8 @@ class SoftwareLimits:
     """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no
     limit. A program may change them for itself (G98, G99); the next one begins with these again.
 
-    Raises SoftwareLimitError before it yields the block that would leave the range.
+    Raises SoftwareLimitError before it yields the block that would leave the range. Where POS_LIMIT says so, the block is let
+    through, and `warnings` gets a warning for the line.
     """
 
     def __init__(
@@ -96,6 +107,9 @@ class SoftwareLimits:
         self._low: Floats = np.array([-np.inf if p is None else p for p in position_min]) - ROUNDING
         self._high: Floats = np.array([np.inf if p is None else p for p in position_max]) + ROUNDING
         self._configured = self._low, self._high
+        self._warning_low, self._warning_high = np.full(len(names), -np.inf), np.full(len(names), np.inf)
+        self._warns = False
+        self._watched: set[int] = set()  # axes whose actual position the cycle watches
 
     @classmethod
     def of(cls, machine: Machine, channel: int = 0) -> SoftwareLimits:
@@ -108,13 +122,16 @@ class SoftwareLimits:
         """The place within the limits that is nearest to `position`, both (n_axes,)."""
         return np.clip(position, self._low, self._high)
 
-    def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
+    def __call__(self, blocks: Iterable[Block], warnings: list[Problem] | None = None) -> Iterator[Block]:
         self._low, self._high = self._configured
+        self._warns = False
+        self._watched.clear()
         for block in blocks:
             if isinstance(block, SoftwareLimitChange):
-                self._low = np.array([low for low, _ in block.limits]) - ROUNDING
-                self._high = np.array([high for _, high in block.limits]) + ROUNDING
+                yield from self._change(block)
                 continue
+            if self._warns and warnings is not None:
+                self._warn(block, warnings)
             if isinstance(block, Polyline):
                 count = first_beyond(block.points, self._low, self._high)
                 if count < len(block.feeds):
@@ -124,6 +141,35 @@ class SoftwareLimits:
             else:
                 self.check(block)
             yield block
+
+    def _change(self, change: SoftwareLimitChange) -> Iterator[Block]:
+        """Other limits from here on; what the cycle has to know of them."""
+        low = np.array([low for low, _ in change.limits]) - ROUNDING
+        high = np.array([high for _, high in change.limits]) + ROUNDING
+        lenient = np.zeros(len(low), dtype=np.bool_)
+        for axis, behaviour in enumerate(change.behaviour):
+            lenient[axis] = behaviour is not LimitBehaviour.ERROR
+            if lenient[axis] or axis in self._watched:
+                limits = change.limits[axis] if lenient[axis] else (-np.inf, np.inf)
+                yield ActualLimit(change.source, axis, *limits, behaviour is LimitBehaviour.ERROR_LR)
+                (self._watched.add if lenient[axis] else self._watched.discard)(axis)
+        self._low, self._high = np.where(lenient, -np.inf, low), np.where(lenient, np.inf, high)
+        self._warning_low, self._warning_high = np.where(lenient, low, -np.inf), np.where(lenient, high, np.inf)
+        self._warns = bool(lenient.any())
+
+    def _warn(self, block: Block, warnings: list[Problem]) -> None:
+        """Every line that leads beyond a limit which only warns is told once."""
+        strict = self._low, self._high
+        self._low, self._high = self._warning_low, self._warning_high
+        try:
+            self.check(block)
+        except SoftwareLimitError as error:
+            problem = error.problem
+            values = {key: value for key, value in problem.values.items() if key != "limit_name"}
+            if not any(known.place == problem.place and known.values == values for known in warnings):
+                warnings.append(Problem(LIMIT_WARNING, values, problem.place))
+        finally:
+            self._low, self._high = strict
 
     def check(self, block: Block) -> None:
         """Raise SoftwareLimitError if `block` leaves the range of an axis."""

@@ -2,7 +2,7 @@
 
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
 fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
-radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx.
+radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from types import ModuleType
 
 from runtime.diagnostics.catalogue import (
+    axes,
     axis_jobs,
     block_search,
     commissioning,
@@ -40,6 +41,7 @@ _AREAS: tuple[ModuleType, ...] = (
     tools,
     radius,
     axis_jobs,
+    axes,
     block_search,
     recorder,
 )

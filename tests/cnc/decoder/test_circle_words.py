@@ -7,10 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
 from runtime.cnc.blocks import Arc, SpatialArc
+from runtime.cnc.decoder import DecoderSetup
+from runtime.config import load_machine
+from runtime.config.loader import DEMO_MACHINE
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry
 from tests.cnc.decoder.paths import motions, path, programmed
@@ -160,6 +164,85 @@ def test_the_radius_of_a_kept_centre_changes_on_the_way(mirror: str) -> None:
     too_far = decode("G164\nG00 X10\nG03 X-10.4 I-10 F100\nM30", setup)
     assert too_far.problem is not None
     assert too_far.problem.entry is catalogue.RADIUS_DIFFERENCE
+
+
+def with_parameters(text: str) -> DecoderSetup:
+    """The setup of the demo machine with these channel parameters."""
+    machine = load_machine(DEMO_MACHINE)
+    channel = machine.channels[0]
+    parameters = channel.parameters.model_copy(update=yaml.safe_load(text) or {})
+    changed = channel.model_copy(update={"parameters": parameters})
+    return DecoderSetup.from_machine(machine.model_copy(update={"channels": (changed,)}))
+
+
+def outcome(program: str, parameters: str) -> object:
+    """The error of a program, or its arcs."""
+    run = decode(f"F100\n{program}\nM30", with_parameters(parameters))
+    return [block for block in run.blocks if isinstance(block, Arc)] if run.problem is None else run.problem.entry
+
+
+@pytest.mark.spec("chan.circle.centre-tolerance")
+@pytest.mark.parametrize(
+    ("absolute", "relative", "radius", "shift", "taken"),
+    [
+        (20000, 50, 20.0, 0.99, True),  # 2 mm, and 5 % of the radius
+        (20000, 50, 20.0, 1.01, False),
+        (20000, 50, 100.0, 1.99, True),
+        (20000, 50, 100.0, 2.01, False),
+        (1000, 50, 20.0, 0.09, True),
+        (1000, 50, 20.0, 0.11, False),
+        (20000, 5, 20.0, 0.09, True),
+        (20000, 5, 20.0, 0.11, False),
+        (0, 50, 20.0, 0.01, False),
+    ],
+)
+def test_a_centre_is_moved_within_both_limits(
+    absolute: int, relative: int, radius: float, shift: float, taken: bool
+) -> None:
+    found = outcome(f"G02 X{2 * radius} I{radius + shift}", f"mittelpkt_diff: {absolute}\nmittelpkt_faktor: {relative}")
+    if not taken:
+        assert found is catalogue.CENTRE_DEVIATION
+        return
+    assert isinstance(found, list)
+    assert found[0].centre.tolist() == pytest.approx([radius, 0.0])
+
+
+@pytest.mark.spec("chan.circle.radius-tolerance")
+@pytest.mark.parametrize(
+    ("absolute", "relative", "difference", "taken"),
+    [
+        (0, 0, 0.001, False),  # off
+        (100, 0, 0.009, True),
+        (100, 0, 0.011, False),
+        (9999, 10, 0.19, True),  # 1 % of 20 mm
+        (9999, 10, 0.21, False),
+        (1000, 10, 0.11, False),
+    ],
+)
+def test_radii_may_differ_within_both_limits_where_the_centre_stays(
+    absolute: int, relative: int, difference: float, taken: bool
+) -> None:
+    parameters = f"max_radius_diff_circle: {absolute}\nmax_proz_radius_diff_circle: {relative}"
+    found = outcome(f"G164 G02 X{40 + difference} I20", parameters)
+    if not taken:
+        assert found is catalogue.RADIUS_DIFFERENCE
+        return
+    assert isinstance(found, list)
+    assert {tuple(arc.centre.tolist()) for arc in found} == {(20.0, 0.0)}
+    assert math.hypot(found[-1].end[0] - 20.0, found[-1].end[1]) == pytest.approx(20.0 + difference)
+
+
+@pytest.mark.spec("chan.circle.modal-ijk")
+def test_a_centre_holds_for_the_circles_behind() -> None:
+    kept = "modal_i_j_k_for_circle: true"
+    arcs_of = outcome("G02 X20 I10\nG01 X30\nG02 X50\nG03 X90 R20\nG02 X110 I10 J0\nG02 X130", kept)
+    assert isinstance(arcs_of, list)
+    assert [arc.centre[0] for arc in arcs_of] == pytest.approx([10.0, 40.0, 70.0, 100.0, 120.0])
+    in_inch = outcome("G70 G02 X2 I1\nG71 G02 X101.6", kept)
+    assert isinstance(in_inch, list)
+    assert [arc.radius for arc in in_inch] == pytest.approx([25.4, 25.4])
+    assert outcome("G02 X20 I10\nG02 X40", "") is catalogue.CENTRE_MISSING
+    assert outcome("G02 X20 I10\nG03 X60 R20\nG02 X100", kept) is not catalogue.CENTRE_MISSING, "the radius holds on"
 
 
 # -- arcs in space

@@ -370,11 +370,11 @@ def test_the_pitch_of_a_helix_is_scaled_with_its_axis() -> None:
         (3605, "G00 C0", 3600),
         (0, "G00 G91 C270", 270),
         (0, "G91\nG00 C270", 270),
-        (0, "G01 C270 F100", 270),
+        (0, "G01 C270 F100", -90),
         (0, "G351 C-1\nG00 C270", 90),
     ],
 )
-def test_a_rotary_axis_takes_the_shorter_way_in_rapid(start: float, text: str, end: float) -> None:
+def test_a_rotary_axis_takes_the_shorter_way(start: float, text: str, end: float) -> None:
     assert ends(f"{text}\nM30", (0, 0, 0, start), ROTARY) == [[0, 0, 0, end]]
 
 

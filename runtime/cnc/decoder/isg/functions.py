@@ -2,6 +2,8 @@
 
 from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is named after
     axis_jobs,
+    axis_position,
+    axis_rotary,
     contouring,
     g_calls,
     g_coordinates,

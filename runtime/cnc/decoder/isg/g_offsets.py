@@ -106,7 +106,7 @@ def _limits(number: int, side: int) -> None:
             if not changed[0] < changed[1]:
                 raise LineError(catalogue.LIMITS_REVERSED, column, axis=x.setup.axes[axis])
             x.soft_limits[axis] = changed
-        x.emit(SoftwareLimitChange(x.source, tuple(x.soft_limits)))
+        x.emit(SoftwareLimitChange(x.source, tuple(x.soft_limits), tuple(x.limit_behaviour)))
 
 
 _limits(98, 0)

@@ -122,7 +122,7 @@ def limits(x: Execution, call: StatementCall) -> None:
     negative, positive = call.needed("NEGATIVE"), call.needed("POSITIVE")
     if not negative < 0.0 < positive:
         raise call.error(catalogue.MANUAL_SIGN, negative=negative, positive=positive)
-    if axis not in x.modulo_axes:
+    if axis not in x.modulo.configured:
         values = x.axis_value(axis, negative), x.axis_value(axis, positive)
         x.emit(ManualParameter(x.source, axis, ManualValue.LIMITS, 0, *values))
 
@@ -132,7 +132,7 @@ def get_offsets(x: Execution, call: StatementCall) -> None:
     """Into V.A.MANUAL_OFFSETS; the offsets stay, and positions of the program too."""
     offsets = x.outside.manual_offsets()
     if offsets is not None:
-        x.manual_offsets = [0.0 if k in x.modulo_axes else float(offset) for k, offset in enumerate(offsets)]
+        x.manual_offsets = [0.0 if k in x.modulo.configured else float(offset) for k, offset in enumerate(offsets)]
 
 
 def _offset(name: str) -> None:

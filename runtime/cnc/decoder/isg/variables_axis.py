@@ -14,6 +14,7 @@ from runtime.diagnostics.catalogue import language as catalogue
 _COORDINATES = "isg.var.a-coordinates"
 _LIMITS = "isg.var.a-limits-offsets"
 _STATUS = "isg.var.a-axis-status"
+_MODULO_VARIABLES = "isg.modulo.variables"
 _COMPENSATIONS = "isg.var.a-compensations"
 _LENGTH = "mm, inch, deg"
 _LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
@@ -24,22 +25,22 @@ _LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
 
 @variable("V.A.ABS.<axis>", _COORDINATES, "coordinate of the block before with all offsets", unit=_LENGTH)
 def absolute(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.coordinates.position[axis])
+    return x.shown(axis, x.counted(axis, x.coordinates.position[axis]))
 
 
 @variable("V.A.ACS.ABS.<axis>", _COORDINATES, "the same, mapped onto the machine axis", unit=_LENGTH)
 def absolute_of_axis(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.coordinates.position[axis])
+    return x.shown(axis, x.counted(axis, x.coordinates.position[axis]))
 
 
 @variable("V.A.PROG.<axis>", _COORDINATES, "programmed coordinate of the block before", unit=_LENGTH)
 def programmed(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.coordinates.programmed()[axis])
+    return x.shown(axis, x.modulo.shown(axis, x.coordinates.programmed()[axis]))
 
 
 @variable("V.A.MENT.<axis>", _COORDINATES, "coordinate of the block before as if nothing were mirrored", unit=_LENGTH)
 def virtual(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.coordinates.programmed()[axis])
+    return x.shown(axis, x.modulo.shown(axis, x.coordinates.programmed()[axis]))
 
 
 # ---------------------------------------------------------------------------------------------------- limits and offsets
@@ -103,19 +104,19 @@ def referenced(x: Execution, axis: int) -> float:
     return float(x.outside.referenced(axis))
 
 
-@variable("V.A.MODE.<axis>", _STATUS, "axis mode: 1 linear, 4 turns without end")
+@variable("V.A.MODE.<axis>", _MODULO_VARIABLES, "axis mode as it is described: 1 linear, 4 turns without end")
 def mode(x: Execution, axis: int) -> float:
     if x.setup.linear[axis]:
         return float(_LINEAR)
-    if axis not in x.modulo_axes:
+    if axis not in x.modulo.configured:
         purpose = "the mode of a rotary axis with limits"
         raise CalculationError(catalogue.VARIABLE_UNSUPPORTED, "V.A.MODE", purpose=purpose)
     return float(_MODULO)
 
 
-@variable("V.A.MODULO_VALUE.<axis>", _STATUS, "modulo range, 0 for an axis that has none", unit="deg")
+@variable("V.A.MODULO_VALUE.<axis>", _MODULO_VARIABLES, "modulo range, 0 for an axis that has none", unit="deg")
 def modulo_range(x: Execution, axis: int) -> float:
-    return 360.0 if axis in x.modulo_axes else 0.0
+    return x.modulo.size(axis)
 
 
 @variable("V.A.AXIS_DEACTIVATED.<axis>", _STATUS, "1: the axis is parked", flush=True)

@@ -186,6 +186,7 @@ class CompiledBlock:
     assigned: bool = False  # nothing but assignments
     counter: Counter | None = None  # of $FOR
     jobs: tuple[StatementSlots, ...] = ()
+    signs: tuple[tuple[int, str], ...] = ()  # channel axis index, and the signs directly behind its name
     macro_version: int = -1  # of the macros that its text was read with, -1 if it has no quoted text
 
     @property
@@ -337,7 +338,10 @@ def compile_block(
     dwell = slots.get(WordKind.DWELL, -1)
     kinds = {word.kind for word in block.words}
     plain = statement is None and beside is None and not block.macros
-    simple = plain and bool(axes) and kinds <= {WordKind.AXIS, WordKind.FEED, WordKind.G, WordKind.ASSIGNMENT}
+    simple = not any(len(word.signs) > 1 for word in block.words)  # of which one is not to be taken lightly
+    simple = (
+        simple and plain and bool(axes) and kinds <= {WordKind.AXIS, WordKind.FEED, WordKind.G, WordKind.ASSIGNMENT}
+    )
     motions = [word.index for word in block.words if word.kind is WordKind.G]
     simple = simple and (not motions or (len(motions) == 1 and motions[0] in (0, 1)))
     return CompiledBlock(
@@ -378,6 +382,7 @@ def compile_block(
         motion=motions[0] if simple and motions else -1,
         assigned=plain and bool(kinds) and kinds == {WordKind.ASSIGNMENT},
         jobs=tuple(jobs),
+        signs=tuple((w.index, w.signs) for w in block.words if w.kind is WordKind.AXIS and w.signs),
         macro_version=macro_version,
     )
 

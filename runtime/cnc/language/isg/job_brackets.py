@@ -1,4 +1,5 @@
-"""Jobs of axes outside of the channel: B[MC_MoveAbsolute Position=.. Velocity=.. Direction=..] (programming manual, line 25538).
+"""Commands of single axes: jobs of those outside of the channel, B[MC_MoveAbsolute Position=.. Velocity=.. Direction=..]
+(programming manual, line 25538), and what axes of the channel do by themselves, A[MODULO ON MIN=0 MAX=360] (line 30039).
 
 Several of them may stand in a block, beside everything else. They are taken out of its text before its grammar sees it; what is
 in the bracket is read as the registration of the job says.
@@ -12,10 +13,14 @@ from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.statements import StatementParser
 from runtime.cnc.language.isg.words import Word, WordKind
-from runtime.diagnostics.catalogue import axis_jobs, technology
+from runtime.diagnostics.catalogue import axis_jobs, language, technology
 
 PREFIX = "<axis>["
-_OPENING = re.compile(r"\"(?:\\.|[^\"\\])*\"|'[^']*'|(?<![\w.@#$])([A-Z]\w*)[ \t]*\[[ \t]*(MC_\w*)", re.IGNORECASE)
+OF_PATH_AXES = ("MODULO", "POS_LIMIT", "SET_POSITION")
+_OPENING = re.compile(
+    rf"\"(?:\\.|[^\"\\])*\"|'[^']*'|(?<![\w.@#$])([A-Z]\w*)[ \t]*\[[ \t]*(MC_\w*|(?:{'|'.join(OF_PATH_AXES)})(?![A-Za-z0-9_]))",
+    re.IGNORECASE,
+)
 
 
 def job_name(function: str) -> str:
@@ -33,10 +38,11 @@ def take_jobs(text: str, addresses: Addresses, statements: StatementParser) -> t
             continue
         start, name, function = match.start(), match.group(1), match.group(2)
         end = _closing(text, text.index("[", start))
-        index = _axis(addresses, name, function, start + 1)
+        of_path = function.upper() in OF_PATH_AXES
+        index = _path_axis(addresses, name, start + 1) if of_path else _axis(addresses, name, function, start + 1)
         job = statements.job(text, job_name(function), index, start, at, end)
         if job is None:
-            known = ", ".join(known.removeprefix(PREFIX).rstrip("]") for known in statements.known(PREFIX))
+            known = ", ".join(known.removeprefix(PREFIX).rstrip("]") for known in statements.known(PREFIX + "MC_"))
             raise LineError(axis_jobs.JOB_FUNCTION, match.start(2) + 1, function=function, known=known)
         words.append(Word(WordKind.BRACKET, start + 1, index=index, name=name, job=job))
         at = end + 1
@@ -51,6 +57,14 @@ def _closing(text: str, opening: int) -> int:
         if depth == 0:
             return place
     raise LineError(technology.BRACKET_OPEN, opening + 1)
+
+
+def _path_axis(addresses: Addresses, name: str, column: int) -> int:
+    """Channel index of an axis; LineError for one that the channel does not have."""
+    index = addresses.axis(name)
+    if index < 0:
+        raise LineError(language.AXIS_UNKNOWN, column, axis=name, axes=", ".join(addresses.axes))
+    return index
 
 
 def _axis(addresses: Addresses, name: str, function: str, column: int) -> int:

@@ -42,7 +42,9 @@ def numeric_block(text: str, addresses: Addresses) -> ParsedBlock | None:
             index = addresses.axis(letter)
             if index < 0:
                 return None
-            words.append(Word(WordKind.AXIS, column, _value(digits, found.start(2)), index, name=letter))
+            signs = digits[0] if digits[0] in "+-" else ""
+            value = _value(digits, found.start(2))
+            words.append(Word(WordKind.AXIS, column, value, index, name=letter, signs=signs))
         elif upper in _KINDS:
             if upper == "S" and not addresses.spindles:
                 return None

@@ -57,6 +57,7 @@ _KNOWN_RANGES = (
 # fmt: on
 G_NUMBERS = frozenset(number for first, last in _KNOWN_RANGES for number in range(first, last + 1))
 
+_SIGNS = re.compile(r"(?:@[A-Za-z]|[A-Z](?:[A-Za-z0-9_]*(?=[ \t]*=))?)[ \t]*=?[ \t]*([+-](?:[ \t]*[+-])?)")
 _CONSTANTS = {"TRUE": 1.0, "FALSE": 0.0, "PI": 3.141592653589793}
 _CONTROLS = {control.value: control for control in Control}
 _ONCE = {
@@ -454,7 +455,7 @@ class BlockParser:
             addition = self._statements.parse(beside.text, beside.at)
         parsed = self._by_lark(blanked, "block")
         assert isinstance(parsed, ParsedBlock)
-        words = (*(self._completed(word) for word in parsed.words), *brackets, *jobs)
+        words = (*(self._completed(word, blanked) for word in parsed.words), *brackets, *jobs)
         return ParsedBlock(
             words, parsed.control, None, parsed.number, parsed.skip_level, parsed.label, macros, addition
         )
@@ -471,8 +472,11 @@ class BlockParser:
         assert isinstance(head, ParsedBlock)
         return head
 
-    def _completed(self, word: Word) -> Word:
-        """A word whose inside has a grammar of its own: calls by a variable, returns to a chosen place."""
+    def _completed(self, word: Word, text: str) -> Word:
+        """What the grammar leaves open: calls by a variable, returns to a chosen place, signs behind the name of an axis."""
+        if word.kind is WordKind.AXIS:
+            match = _SIGNS.match(text, word.column - 1)
+            return replace(word, signs=re.sub(r"[ \t]", "", match.group(1))) if match is not None else word
         if word.kind is WordKind.RETURN:
             return parse_return(word, self)
         if word.kind in (WordKind.CALL_LOCAL, WordKind.CALL_GLOBAL) and word.name.upper().startswith("V."):

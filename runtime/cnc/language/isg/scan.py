@@ -26,6 +26,7 @@ Bytes = npt.NDArray[np.uint8]
 
 NO_MOTION = -1  # in `motion`: no G0 or G1 in the line
 NO_NUMBER = -1  # in `number`: no N in the line
+PLUS = 32  # see `given`
 MAX_DIGITS = 15  # decimal digits that a float64 holds exactly; longer numbers go to the full parser
 
 _N, _G, _F, _NONE = 100, 101, 102, -1  # meanings of letters besides axis indices
@@ -35,7 +36,8 @@ _POWERS: Floats = np.array([10.0**k for k in range(MAX_DIGITS + 1)])
 class PlainRows(NamedTuple):
     """Room for plain blocks, one row each; n axes.
 
-    `values` (rows, n) as programmed; `given` (rows,) bit per axis; `motion` 0, 1 or NO_MOTION; `feed` NaN if there is
+    `values` (rows, n) as programmed; `given` (rows,) bit per axis, and PLUS bits higher one for a + in front of its value;
+    `motion` 0, 1 or NO_MOTION; `feed` NaN if there is
     none; `number` N or NO_NUMBER; `starts` (rows,) offsets in the window.
     """
 
@@ -156,8 +158,10 @@ def scan_plain(
             while i < limit and (data[i] == 32 or data[i] == 9):
                 i += 1
             negative = False
+            plus = False
             if i < limit and (data[i] == 45 or data[i] == 43):
                 negative = data[i] == 45
+                plus = not negative
                 i += 1
             mantissa = 0
             digits = 0
@@ -218,6 +222,8 @@ def scan_plain(
                     plain = False
                     break
                 given_here |= bit
+                if plus:
+                    given_here |= bit << PLUS
                 values[count, what] = value
             words += 1
         if not plain:

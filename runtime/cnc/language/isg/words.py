@@ -86,6 +86,7 @@ class Word:
     flush: bool = False
     inner: tuple[Word, ...] = ()  # of a bracket
     job: ParsedStatement | None = None  # in a bracket, MC_...
+    signs: str = ""  # of an axis word: the signs directly behind its name, at most two
 
 
 class Control(Enum):
