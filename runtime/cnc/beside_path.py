@@ -15,7 +15,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from runtime.cnc.axes.axis_plan import Dynamics
 from runtime.cnc.axes.homing import AxisHoming, HomingDrive, HomingPhase
+from runtime.cnc.axes.independent import IndependentAxes
 from runtime.cnc.axes.manual import HandInputs, ManualAxis
 from runtime.cnc.blocks import MANUAL_SHARE, ManualValue
 from runtime.cnc.interpolator import Interpolator
@@ -80,7 +82,9 @@ class BesidePath:
             for axis, hand, drive in zip(axes, self.axes, drives, strict=True)
         ]
         self.referenced = [axis.homing is None for axis in axes]
-        self.offset: Floats = np.zeros(len(axes))
+        self.by_hand: Floats = np.zeros(len(axes))  # the offsets of hand and homing
+        self.alone = IndependentAxes(axes, period)
+        self.offset: Floats = np.zeros(len(axes))  # both
         self.engaged = False  # an offset, or something that makes one
         self.commands: ManualCommands | None = None
         self._numbers = {axis.log_axis: k for k, axis in enumerate(axes)}
@@ -107,6 +111,8 @@ class BesidePath:
                 homing.forget()
             hand.close(at_once=True)
             hand.restart(offset)
+        self.by_hand[:] = offset
+        self.alone.drop()
         self.offset[:] = offset
         self.engaged = False
         self._gate_begun = self._leaving = False
@@ -124,12 +130,14 @@ class BesidePath:
                 homing.cancel()
             if not hand.motion.standstill or hand.released:
                 hand.close(at_once=True)
+        self.alone.stop()
 
     @property
     def at_rest(self) -> bool:
         """Nothing moves beside the path."""
-        return not self.engaged or (
-            all(hand.motion.standstill for hand in self.axes) and all(homing.over for homing in self._homing)
+        return self.alone.at_rest and (
+            not self.engaged
+            or (all(hand.motion.standstill for hand in self.axes) and all(homing.over for homing in self._homing))
         )
 
     def act(self, record: QueueRecord) -> None:
@@ -192,11 +200,12 @@ class BesidePath:
 
     def take_over(self, path: Interpolator) -> Floats:
         """The path goes on from where the axes are: the offsets that it has taken, (n_axes,)."""
-        taken = self.offset.copy()
+        taken = self.by_hand.copy()
         path.resume_at(path.position + taken)
         for hand in self.axes:
             hand.restart()
-        self.offset[:] = 0.0
+        self.by_hand[:] = 0.0
+        self.offset[:] = self.alone.offset
         self.engaged = any(hand.released for hand in self.axes)
         return taken
 
@@ -251,8 +260,24 @@ class BesidePath:
 
     # ------------------------------------------------------------------ the cycle
 
-    def step(self, inputs: AxisInputs, path: Interpolator, actual: Floats) -> Problem | None:
-        """One cycle; `actual` (n_axes,) measured positions. A problem that stops the path, None if there is none."""
+    def begin_alone(self, gate: QueueRecord, path: Interpolator, *, locked: bool) -> None:
+        """An own motion of an axis begins where the path stands; the path counts it at the target."""
+        k, place = gate.number, path.position.copy()
+        begin, place[k] = float(place[k]), gate.value
+        path.resume_at(place)
+        if not locked:
+            self.alone.start(k, begin, gate.value, Dynamics(gate.feed, gate.lead, gate.seconds))
+            self.offset[k] = self.by_hand[k] + self.alone.offset[k]
+
+    def step(self, inputs: AxisInputs, path: Interpolator, actual: Floats, *, ready: bool = True) -> Problem | None:
+        """One cycle; `actual` (n_axes,) measured positions. A problem that stops the path, None if there is none.
+
+        `ready`: all axes may move; else those that move by themselves are held with the path.
+        """
+        if self.alone.moving:
+            held = inputs.feed_hold or not ready
+            self.alone.step(inputs.alone_override, [held or hold for hold in inputs.axis_holds])
+            np.add(self.by_hand, self.alone.offset, out=self.offset)
         if not self.engaged:
             return None
         problem = None
@@ -266,7 +291,8 @@ class BesidePath:
                 hand.step(self._hand(hand, inputs, k, hold), least, greatest)
             else:
                 problem = self._step_homing(k, homing, inputs.alone_override, hold, path, actual) or problem
-            self.offset[k] = hand.offset
+            self.by_hand[k] = hand.offset
+        np.add(self.by_hand, self.alone.offset, out=self.offset)
         return self._leaves(path) or problem
 
     def _hand(self, hand: ManualAxis, inputs: AxisInputs, k: int, hold: bool) -> HandInputs:
@@ -340,7 +366,7 @@ class BesidePath:
 
     def _leaves(self, path: Interpolator) -> Problem | None:
         """The path will take an axis with its offset over a software limit, and has just the way left to brake before it."""
-        if self._told or not self.offset.any():
+        if self._told or not self.by_hand.any():
             return None
         ahead = path_ahead(path, _LOOK_AHEAD)
         if ahead is None:
@@ -355,9 +381,9 @@ class BesidePath:
             offset = hand.position + math.copysign(stopping_way(axis, abs(hand.velocity), MANUAL_SHARE), hand.velocity)
             low, high = self._software_limits(k)
             beyond = (ahead.lowest[:, k] + offset < low - _SMALL) | (ahead.highest[:, k] + offset > high + _SMALL)
-            if self.offset[k] != 0.0 and bool((beyond & near).any()):
+            if self.by_hand[k] != 0.0 and bool((beyond & near).any()):
                 self._told = True
-                return Problem(alarms.OFFSET_LEAVES, {"axis": axis.name, "offset": float(self.offset[k])})
+                return Problem(alarms.OFFSET_LEAVES, {"axis": axis.name, "offset": float(self.by_hand[k])})
         return None
 
     # ------------------------------------------------------------------ orders of operator and PLC

@@ -17,6 +17,8 @@ from runtime.cnc.blocks import (
     Floats,
     Flush,
     Homing,
+    IndependentMotion,
+    IndependentWait,
     Line,
     ManualMotion,
     ManualParameter,
@@ -136,6 +138,11 @@ def _action(block: Block) -> Iterator[Row]:
             yield {**_source(block.source, "manual parameter"), "kind": block.what.value, **values}
         case Homing():
             yield {**_source(block.source, "homing"), "order": list(block.ranks)}
+        case IndependentMotion():
+            row = _source(block.source, "own motion") | {"axis": block.axis, "to": block.target}
+            yield row | {"velocity": block.velocity, "acceleration": block.acceleration, "jerk": block.jerk}
+        case IndependentWait():
+            yield _source(block.source, "own motion wait") | {"axes": list(block.axes), "exact": block.exact}
         case PositionSetting():
             row = _source(block.source, "set position") | {"axis": block.axis}
             yield row | {"offset" if block.relative else "position": block.value}

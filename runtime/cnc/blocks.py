@@ -840,6 +840,28 @@ class PositionSetting:
 
 
 @dataclass(frozen=True, slots=True)
+class IndependentMotion:
+    """INDP_SYN, INDP_ASYN: an axis of the channel goes to a machine position by itself, beside the path, which counts the axis
+    at `target` from here on. mm or degrees, and seconds."""
+
+    source: Source
+    axis: int
+    target: float
+    velocity: float
+    acceleration: float
+    jerk: float
+
+
+@dataclass(frozen=True, slots=True)
+class IndependentWait:
+    """The path waits here for own motions of these axes; `exact`: until they are in their windows."""
+
+    source: Source
+    axes: tuple[int, ...]
+    exact: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class PathRestart:
     """The axes stand somewhere else than the last motion has ended: the next one begins there."""
 
@@ -955,6 +977,8 @@ Block = (
     | Homing
     | TakeOver
     | PositionSetting
+    | IndependentMotion
+    | IndependentWait
     | PathRestart
     | OptionalSection
     | DistanceMark

@@ -367,7 +367,7 @@ class Channel:
         life = self.actions.life
         if life.wanted and not again:
             life.moves(path.path_position, self.period, self._on(self._rapid))
-        problem = self.beside.step(inputs, path, actual[self._axes])
+        problem = self.beside.step(inputs, path, actual[self._axes], ready=axes_ready)
         if problem is not None:
             self.problems.append(problem)
         if self.phase is Phase.RUNNING and (problem := self.jobs.step()) is not None:

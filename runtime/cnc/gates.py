@@ -119,6 +119,8 @@ class Gates:
             GateReason.FLUSH_WAIT: self._flush_wait,
             GateReason.EXACT_STOP: self._exact_stop,
             GateReason.AXIS_JOBS: self._axis_jobs,
+            GateReason.INDEPENDENT: self._own_motion,
+            GateReason.INDEPENDENT_WAIT: self._own_motions_over,
             GateReason.USER_ERROR: self._user_error,
             GateReason.PROGRAM_END: self._program_end,
             GateReason.STEP: self._end_of_step,
@@ -255,6 +257,8 @@ class Gates:
         beside.finish()
         if not beside.at_rest:
             return _MANUAL
+        if beside.alone.moving:
+            return _AXIS_JOB
         self.at_end = gate
         return self._open(gate)
 
@@ -294,7 +298,7 @@ class Gates:
         if not around.actions.all_taken:
             return _MESSAGE
         self._settling = 0.0
-        around.link.reach(path.position, self._actual[around.axes], around.beside.offset)
+        around.link.reach(path.position + around.beside.alone.offset, self._actual[around.axes], around.beside.by_hand)
         return self._open(gate)
 
     def _exact_stop(self, gate: QueueRecord) -> int:
@@ -313,6 +317,22 @@ class Gates:
             elif around.jobs.passable(gate.number):
                 return self._open(gate)
         return _AXIS_JOB
+
+    def _own_motion(self, gate: QueueRecord) -> int:
+        """An axis begins to move by itself; the path goes on."""
+        path = self._path
+        if not (self._running and path.standstill and path.all_told):
+            return _NONE
+        self._around.beside.begin_alone(gate, path, locked=self._locked)
+        return self._open(gate)
+
+    def _own_motions_over(self, gate: QueueRecord) -> int:
+        """Own motions have come to their targets; with exact stop the axes too."""
+        if not self._around.beside.alone.arrived(gate.number):
+            return _AXIS_JOB
+        if gate.offset and self._on_their_way():
+            return _EXACT_STOP
+        return self._open(gate)
 
     def _beside_path(self, gate: QueueRecord) -> int:
         """Axes are moved by hand or homed while the path stands; then it goes on from where they are."""

@@ -84,6 +84,8 @@ class GateReason(IntEnum):
     HOMING = 22  # G74: the axes have their reference
     TAKE_OVER = 23  # the path goes on from where the axes are
     SET_POSITION = 24  # an axis counts anew where it stands
+    INDEPENDENT = 25  # an own motion of an axis begins
+    INDEPENDENT_WAIT = 26  # own motions have come to their targets
     SEARCH_BEGIN = 30  # block search: see blocks.SearchStep
     SEARCH_END = 31
     SEARCH_RETURN = 32

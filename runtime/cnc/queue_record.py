@@ -29,6 +29,8 @@ class QueueRecord(NamedTuple):
       factor; `offset`, `size`, `feed`: basic, sister and variant number.
     - G200, G201, G202: the axes as bits; G74: four bits per axis, its turn;
     - SET_POSITION: the axis, and the position, or with `offset` 1 the way;
+    - an own motion of an axis: the axis, and the target; `feed`, `lead`, `seconds` velocity, acceleration and jerk in s;
+    - the gate that waits for own motions: the axes as bits; `offset` 1: until they are in their windows;
     - limits of an actual position: the axis, and the lower one; `seconds` the upper one, `offset` 1: the path stops;
     - a parameter of manual mode: the axis, and the first value; `offset` its kind (position in `ManualValue`), `size` its stage,
       `seconds` the second value.

@@ -21,6 +21,7 @@ from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow
 from runtime.cnc.decoder.frames import Frame, Level
+from runtime.cnc.decoder.independent import begin_own_motions, emit_own_motions, end_own_motions, wait_for
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
 from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
@@ -177,9 +178,13 @@ class WordBlocks:
         x.compensation.follow(x)
         functions = functions_of(block, values, x)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
+        x.independent.of_block.clear()
         give_jobs(x, block, values)
+        own = bool(x.independent.of_block)
+        begin_own_motions(x, functions)
         for before in functions.leading():
             x.emit(before)
+        emit_own_motions(x)
         brakes = x.brake_in_front and x.dynamics.late_braking  # G09 for this block only
         if brakes:
             x.emit(DynamicsChange(x.source, replace(x.dynamics, late_braking=False)))
@@ -187,6 +192,7 @@ class WordBlocks:
         if brakes:
             x.emit(DynamicsChange(x.source, x.dynamics))
         x.stop_exactly(motion and block.dwell < 0)
+        end_own_motions(x, exact_stop=motion and bool(x.exact_stop or x.modal.exact_stop))
         for behind in functions.trailing():
             x.emit(behind)
         wait_for_jobs(x)
@@ -194,7 +200,7 @@ class WordBlocks:
             STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))
         for kind in functions.stops:
             x.emit(Stop(x.source, kind))
-        if motion or x.tools.moved:
+        if motion or x.tools.moved or own:
             x.tools.moved = False
             x.block_end()
         if functions.flush:
@@ -216,6 +222,8 @@ class WordBlocks:
             dwell(x, block, values)
             return True
         corner = additions.corner_of(x, block)
+        if x.independent.running and (corner or x.additions or x.modal.motion is Motion.ARC_IN_SPACE):
+            wait_for(x, tuple(x.independent.running))
         words = not x.axes_taken and bool(block.axes or block.interpolation)
         if not words and not (x.additions and not x.axes_taken):
             additions.expect_motion(x, block, corner)

@@ -29,6 +29,7 @@ from runtime.cnc.blocks import (
     FlushKind,
     Hold,
     Homing,
+    IndependentMotion,
     Line,
     ManualMotion,
     Polyline,
@@ -170,7 +171,7 @@ class _Held:
         """The block, if the next motion can still come behind it."""
         if isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
             raise self.error(catalogue.CORNER_OPEN)
-        if isinstance(block, Homing | ManualMotion | TakeOver | PositionSetting) or (
+        if isinstance(block, Homing | ManualMotion | TakeOver | PositionSetting | IndependentMotion) or (
             isinstance(block, Flush) and block.kind is FlushKind.WAIT
         ):
             raise self.error(catalogue.CORNER_WAIT, wait_line=block.source.line)

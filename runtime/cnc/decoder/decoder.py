@@ -17,6 +17,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow, OutOfStepError
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.geometry_error import GeometryError
+from runtime.cnc.decoder.independent import wait_for
 from runtime.cnc.decoder.levels import Levels
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
@@ -244,6 +245,8 @@ class Decoder:
     def _flushed(self, unit: Unit, block: CompiledBlock) -> Iterator[Block]:
         """The preparation comes into step with the interpolator before a block that reads something of it."""
         self._expect_no_compensation(unit, block)
+        if block.statement is not None:  # it asks for the place of the axes, or where they are
+            wait_for(self._x, tuple(self._x.independent.running))
         yield from self._handed_over()
         yield Flush(Source(unit.name, block.source.line), FlushKind.WAIT)
 

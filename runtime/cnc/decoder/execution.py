@@ -28,6 +28,7 @@ from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Motion, Plane
 from runtime.cnc.decoder.modulo import ModuloAxes
 from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.own_motions import OwnMotions
 from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
@@ -142,6 +143,7 @@ class Execution:
         self.soft_limits = list(self.configured_limits)
         self.limit_behaviour = [LimitBehaviour.ERROR] * len(setup.axes)
         self.last_limits: dict[int, tuple[float, float]] = {}  # of POS_LIMIT ON, mm or degrees
+        self.independent = OwnMotions()
         self.modulo = ModuloAxes.of(setup.modulo_axes, always_shortest=setup.always_shortest)
         self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else
         self.manual_axes: set[int] = set()  # moved by hand beside the path (G201)
@@ -298,8 +300,8 @@ class Execution:
             raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
 
     def modal_changed(self) -> None:
-        """To be called after changes of feed mode, feed group, rotation, exact stop, `line_waits` or `path_start`: whether the
-        fast road may be taken."""
+        """To be called after changes of feed mode, feed group, rotation, exact stop, `line_waits`, `path_start` or own motions:
+        whether the fast road may be taken."""
         self.fast = (
             not self.setup.exact_stop_after_rapid
             and self.setup.single_step <= 0
@@ -310,6 +312,7 @@ class Execution:
             and self.path_start is None
             and not self.modal.exact_stop
             and not self.compensation.watches
+            and not self.independent.running
         )
 
     def take_path_start(self) -> list[float]:

@@ -12,6 +12,7 @@ from runtime.cnc.decoder.arcs import radius_transition
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
 from runtime.cnc.decoder.feed_change import changing_arc, changing_line
+from runtime.cnc.decoder.independent import wait_before_motion
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion, Plane
 from runtime.cnc.decoder.modulo import modulo_end
 from runtime.cnc.language.isg.comments import LineError
@@ -65,6 +66,7 @@ def target(x: Execution, block: CompiledBlock) -> list[float]:
     for axis, direction in directions.items():
         turned = direction if x.coordinates.gain[axis] > 0.0 else -direction  # a mirrored axis turns the other way
         end[axis] = modulo_end(x.coordinates.position[axis], end[axis], x.modulo.size(axis), turned)
+    wait_before_motion(x, end)
     return end
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from runtime.cnc.blocks import Homing, ManualMotion, PathRestart, PositionSetting, TakeOver
 from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.independent import wait_for
 
 
 class _AtPlace:
@@ -22,6 +23,7 @@ def waits_for_place(x: Execution, block: ManualMotion | Homing | TakeOver | Posi
         x.waiting = None
         x.emit(PathRestart(x.source))
         return False
+    wait_for(x, tuple(x.independent.running))
     x.emit(block)
     x.repeat(reason)
     if x.again is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -137,6 +138,14 @@ class OtherAxis:
     log_axis: int
 
 
+class AxisDynamics(NamedTuple):
+    """What an axis can: mm or degrees, and seconds."""
+
+    velocity: float
+    acceleration: float
+    jerk: float
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
     """How much of each kind a channel holds (configuration.decoder.*), and how deep programs may be nested."""
@@ -200,6 +209,7 @@ class DecoderSetup:
     final_in: frozenset[str] = frozenset({"AUTOMATIC"})  # P-CHAN-00433
     g_programs: Mapping[int, str] = field(default_factory=dict)  # P-CHAN-00160…00169, 00187: G number → file
     axis_velocity: tuple[float, ...] = ()  # mm/s or degrees/s, (n,); for G194
+    axis_dynamics: tuple[AxisDynamics, ...] = ()  # (n,)
     position_limits: tuple[tuple[float | None, float | None], ...] = ()  # software limits, (n,)
     reference_points: tuple[float, ...] = ()  # where homing finds them, mm or degrees, (n,)
     external: tuple[ExternalEntry, ...] = ()
@@ -229,6 +239,8 @@ class DecoderSetup:
     other_axes: tuple[OtherAxis, ...] = ()  # without spindles
     job_units: bool = False  # P-CHAN-00182
     jobs_wait: bool = False  # P-CHAN-00359
+    independent_exact_stop: int = 0  # P-CHAN-00297
+    independent_waits_named: bool = False  # P-CHAN-00451
     modal_centre: bool = False  # P-CHAN-00159: I, J, K hold for following circles
     always_shortest: bool = False  # P-CHAN-00346: signs choose no direction of axes that turn without end
 
@@ -259,6 +271,7 @@ class DecoderSetup:
                 machine.axes[machine.axis_index(spindle.bezeichnung)].log_axis for spindle in parameters.spindel
             ),
             axis_velocity=tuple(axis.velocity for axis in axes),
+            axis_dynamics=tuple(AxisDynamics(axis.velocity, axis.acceleration, axis.jerk) for axis in axes),
             position_limits=tuple((axis.position_min, axis.position_max) for axis in axes),
             reference_points=tuple(axis.homing.position if axis.homing else 0.0 for axis in axes),
             linear=tuple(machine.axes[machine.axis_index(axis)].type is AxisType.LINEAR for axis in described.axes),
@@ -336,6 +349,8 @@ class DecoderSetup:
             ),
             job_units=parameters.plcopen_std_unit,
             jobs_wait=parameters.plcopen_implicit_sync,
+            independent_exact_stop=parameters.mode_exact_stop_indp_axis,
+            independent_waits_named=bool(parameters.mode_implicite_sync_indp_asyn_axis),
             modal_centre=parameters.modal_i_j_k_for_circle,
             always_shortest=parameters.enable_mod_axis_always_shortest_way,
             radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,

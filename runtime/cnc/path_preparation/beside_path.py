@@ -8,6 +8,8 @@ from runtime.cnc.blocks import (
     MANUAL_SHARE,
     Block,
     Homing,
+    IndependentMotion,
+    IndependentWait,
     ManualKind,
     ManualMotion,
     ManualParameter,
@@ -20,6 +22,17 @@ from runtime.cnc.motion_queue import ActionKind, GateReason, RecordKind, Records
 
 RANK_BITS = 4  # of an axis in the record of G74
 _VALUES = tuple(ManualValue)
+
+
+def independent(record: Records, block: IndependentMotion | IndependentWait) -> None:
+    """Fill the record of the gate."""
+    record["kind"] = RecordKind.GATE
+    if isinstance(block, IndependentWait):
+        record["reason"], record["offset"] = GateReason.INDEPENDENT_WAIT, block.exact
+        record["number"] = sum(1 << axis for axis in block.axes)
+        return
+    record["reason"], record["number"], record["value"] = GateReason.INDEPENDENT, block.axis, block.target
+    record["feed"], record["lead"], record["seconds"] = block.velocity, block.acceleration, block.jerk
 
 
 def beside_path(record: Records, block: ManualMotion | ManualParameter | Homing | TakeOver | PositionSetting) -> bool:

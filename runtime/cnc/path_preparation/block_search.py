@@ -33,6 +33,8 @@ from runtime.cnc.blocks import (
     FlushKind,
     Hold,
     Homing,
+    IndependentMotion,
+    IndependentWait,
     Line,
     ManualKind,
     ManualMotion,
@@ -207,6 +209,8 @@ class BlockSearchStage:
                 self._refuse(block.source, "a job of an axis")
             case Homing():
                 self._refuse(block.source, "homing (G74)")
+            case IndependentMotion() | IndependentWait():
+                self._refuse(block.source, "an own motion of an axis (INDP_SYN, INDP_ASYN)")
             case PositionSetting():
                 self._refuse(block.source, "SET_POSITION")
             case TakeOver():

@@ -35,6 +35,8 @@ from runtime.cnc.blocks import (
     FlushKind,
     Hold,
     Homing,
+    IndependentMotion,
+    IndependentWait,
     LifeCommand,
     Line,
     ManualMotion,
@@ -72,7 +74,7 @@ from runtime.cnc.geometry.polynomial_table import MAP
 from runtime.cnc.job_records import write_job, write_wait
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.axis_travel import axis_travel
-from runtime.cnc.path_preparation.beside_path import PathShare, beside_path
+from runtime.cnc.path_preparation.beside_path import PathShare, beside_path, independent
 from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
 from runtime.cnc.path_preparation.dynamics import Border
@@ -393,11 +395,24 @@ class QueueWriter:
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.ACTUAL_LIMIT
                 record["number"], record["value"], record["seconds"] = block.axis, block.low, block.high
                 record["offset"] = block.stops
+            case IndependentMotion() | IndependentWait():
+                independent(record, block)
+                if isinstance(block, IndependentMotion):
+                    self._move_place(block.axis, block.target)
             case ManualMotion() | ManualParameter() | Homing() | TakeOver() | PositionSetting():
                 self._flushing = beside_path(record, block)
                 if self._left.changed_by(block):
                     self._limits.change_axes(self._left.now)
         return record
+
+    def _move_place(self, axis: int, target: float) -> None:
+        """An axis goes there by itself: the path counts it at its target, and goes on from that."""
+        if self._place is not None:
+            self._place = self._place.copy()
+            self._place[axis] = target
+        if self._block_end is not None:
+            self._block_end = self._block_end.copy()
+            self._block_end[axis] = target
 
     def _flush_records(self, record: Records, kind: FlushKind) -> Records:
         """Everything before it is in the queue already: only the stop is left to be written."""

@@ -17,6 +17,7 @@ from runtime.cnc.blocks import (
     ActualLimit,
     Arc,
     Block,
+    IndependentMotion,
     LimitBehaviour,
     Line,
     Polyline,
@@ -196,6 +197,11 @@ class SoftwareLimits:
             count = first_beyond(block.points, self._low, self._high)
             if count < len(block.feeds):
                 self._refuse_move(block, count)
+        elif isinstance(block, IndependentMotion):
+            position = np.clip(np.zeros(len(self._low)), self._low, self._high)
+            position[block.axis] = block.target
+            if not self._low[block.axis] <= block.target <= self._high[block.axis]:
+                self._refuse(position, "the target", block.source.program, block.source.line)
 
     def _refuse_move(self, run: Polyline, move: int) -> None:
         self._refuse(run.points[move + 1], "the target", run.program, int(run.lines[move]))

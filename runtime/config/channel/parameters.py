@@ -247,6 +247,8 @@ class ChannelParameters(Model):
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    mode_exact_stop_indp_axis: int = 0  # P-CHAN-00297: 1 at G60, 2 at #WAIT INDP
+    mode_implicite_sync_indp_asyn_axis: int = 0  # P-CHAN-00451: 1 where the axis is named, 0 where it is moved
     modal_i_j_k_for_circle: bool = False  # P-CHAN-00159, they hold for the circles behind
     enable_mod_axis_always_shortest_way: bool = False  # P-CHAN-00346, of axes that turn without end
     hli_input_disable_condition: Literal["DEFAULT", "NEXT_NON_RAPID_BLOCK", "NEXT_RAPID_BLOCK"] = (

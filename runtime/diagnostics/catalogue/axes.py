@@ -46,3 +46,33 @@ LIMIT_PASSED = ErrorEntry(
     reaction=Reaction.NONE,
     source="programming manual line 31012",
 )
+INDEPENDENT_BARRED = _entry(
+    312510,
+    "axis {axis} cannot move by itself here: {what}",
+    "end it before, or move the axis with the path",
+    "programming manual line 29541",
+)
+INDEPENDENT_UNSUPPORTED = _entry(312511, "{what} is not available in this version", "leave the keyword out")
+INDEPENDENT_VALUE = _entry(
+    312512,
+    "axis {axis}: {key} = {value:.9g} is not allowed, it is {allowed}",
+    "correct the value",
+    "programming manual line 29578",
+)
+INDEPENDENT_FEED = _entry(
+    312513,
+    "axis {axis}: an own motion with G01 needs FEED, TIME or FEED_MAX_WEIGHT",
+    "name one of them, or G00",
+)
+INDEPENDENT_SYNCH = _entry(
+    312514,
+    "{function} cannot stand {where}",
+    "only MOS, MVS_SVS, MVS_SNS and MNS_SNS can; put it beside the bracket",
+    "programming manual line 29626",
+)
+INDEPENDENT_FUNCTION = _entry(
+    312515,
+    "a function of the block goes to the interface of axis {axis}, which moves by itself in the same block",
+    "put it into the bracket of the axis, or into another block",
+    "programming manual line 29685",
+)

@@ -1,6 +1,7 @@
 """All registrations of the dialect: importing this module fills the tables."""
 
 from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is named after
+    axis_independent,
     axis_jobs,
     axis_position,
     axis_rotary,

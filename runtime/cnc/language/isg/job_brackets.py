@@ -16,7 +16,7 @@ from runtime.cnc.language.isg.words import Word, WordKind
 from runtime.diagnostics.catalogue import axis_jobs, language, technology
 
 PREFIX = "<axis>["
-OF_PATH_AXES = ("MODULO", "POS_LIMIT", "SET_POSITION")
+OF_PATH_AXES = ("MODULO", "POS_LIMIT", "SET_POSITION", "INDP_SYN", "INDP_ASYN")
 _OPENING = re.compile(
     rf"\"(?:\\.|[^\"\\])*\"|'[^']*'|(?<![\w.@#$])([A-Z]\w*)[ \t]*\[[ \t]*(MC_\w*|(?:{'|'.join(OF_PATH_AXES)})(?![A-Za-z0-9_]))",
     re.IGNORECASE,
