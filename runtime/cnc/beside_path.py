@@ -84,7 +84,11 @@ class BesidePath:
         self.referenced = [axis.homing is None for axis in axes]
         self.by_hand: Floats = np.zeros(len(axes))  # the offsets of hand and homing
         self.alone = IndependentAxes(axes, period)
-        self.offset: Floats = np.zeros(len(axes))  # both
+        self.coupled: Floats = np.zeros(len(axes))  # the ways of masters that axes follow
+        self._couplings: list[
+            tuple[int, int, float, float]
+        ] = []  # slave, master, how far it is ahead, its place on the path
+        self.offset: Floats = np.zeros(len(axes))  # all of them
         self.engaged = False  # an offset, or something that makes one
         self.commands: ManualCommands | None = None
         self._numbers = {axis.log_axis: k for k, axis in enumerate(axes)}
@@ -113,6 +117,8 @@ class BesidePath:
             hand.restart(offset)
         self.by_hand[:] = offset
         self.alone.drop()
+        self._couplings.clear()
+        self.coupled[:] = 0.0
         self.offset[:] = offset
         self.engaged = False
         self._gate_begun = self._leaving = False
@@ -205,7 +211,7 @@ class BesidePath:
         for hand in self.axes:
             hand.restart()
         self.by_hand[:] = 0.0
-        self.offset[:] = self.alone.offset
+        self._sum()
         self.engaged = any(hand.released for hand in self.axes)
         return taken
 
@@ -218,6 +224,25 @@ class BesidePath:
         if not locked:
             self._shift(k, shift)
             self.referenced[k] = True
+
+    def couple(self, pairs: Sequence[tuple[int, int, float]], path: Interpolator) -> None:
+        """Where the path stands: (slave, master, how far the slave is ahead) from here on; what no longer follows stays."""
+        place = path.position + self.coupled
+        path.resume_at(place)
+        self._couplings = [(slave, master, ahead, float(place[slave])) for slave, master, ahead in pairs]
+        self._follow(path)
+
+    def _follow(self, path: Interpolator) -> None:
+        """Where the masters lead their slaves in this cycle."""
+        self.coupled[:] = 0.0
+        place = path.position
+        for slave, master, ahead, begin in self._couplings:
+            self.coupled[slave] = float(place[master]) + ahead - begin
+        self._sum()
+
+    def _sum(self) -> None:
+        np.add(self.by_hand, self.alone.offset, out=self.offset)
+        self.offset += self.coupled
 
     def _hand_away(self, gate: QueueRecord) -> Passage:
         """G202: what was begun by hand is finished, or dropped if the channel is configured so (P-CHAN-00113)."""
@@ -267,7 +292,7 @@ class BesidePath:
         path.resume_at(place)
         if not locked:
             self.alone.start(k, begin, gate.value, Dynamics(gate.feed, gate.lead, gate.seconds))
-            self.offset[k] = self.by_hand[k] + self.alone.offset[k]
+            self._sum()
 
     def step(self, inputs: AxisInputs, path: Interpolator, actual: Floats, *, ready: bool = True) -> Problem | None:
         """One cycle; `actual` (n_axes,) measured positions. A problem that stops the path, None if there is none.
@@ -277,7 +302,9 @@ class BesidePath:
         if self.alone.moving:
             held = inputs.feed_hold or not ready
             self.alone.step(inputs.alone_override, [held or hold for hold in inputs.axis_holds])
-            np.add(self.by_hand, self.alone.offset, out=self.offset)
+            self._sum()
+        if self._couplings:
+            self._follow(path)
         if not self.engaged:
             return None
         problem = None
@@ -292,7 +319,7 @@ class BesidePath:
             else:
                 problem = self._step_homing(k, homing, inputs.alone_override, hold, path, actual) or problem
             self.by_hand[k] = hand.offset
-        np.add(self.by_hand, self.alone.offset, out=self.offset)
+        self._sum()
         return self._leaves(path) or problem
 
     def _hand(self, hand: ManualAxis, inputs: AxisInputs, k: int, hold: bool) -> HandInputs:

@@ -11,6 +11,7 @@ from runtime.cnc.blocks import (
     AxisJob,
     AxisJobWait,
     Block,
+    CouplingChange,
     Dwell,
     ExactStop,
     ExternalWrite,
@@ -143,6 +144,8 @@ def _action(block: Block) -> Iterator[Row]:
             yield row | {"velocity": block.velocity, "acceleration": block.acceleration, "jerk": block.jerk}
         case IndependentWait():
             yield _source(block.source, "own motion wait") | {"axes": list(block.axes), "exact": block.exact}
+        case CouplingChange():
+            yield _source(block.source, "coupling") | {"coupled": [list(pair[:2]) for pair in block.coupled]}
         case PositionSetting():
             row = _source(block.source, "set position") | {"axis": block.axis}
             yield row | {"offset" if block.relative else "position": block.value}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -861,6 +862,26 @@ class IndependentWait:
     exact: bool = False
 
 
+class CoupledAxis(NamedTuple):
+    """An axis that follows another one, by channel indices; `offset`: how far the slave is ahead, mm or degrees."""
+
+    slave: int
+    master: int
+    offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class CouplingChange:
+    """#AX LINK ON and OFF: these are the axes that follow others from here on.
+
+    `ends`: slaves whose coupling ends here, with where they stand; until here the path had them where it began.
+    """
+
+    source: Source
+    coupled: tuple[CoupledAxis, ...]
+    ends: tuple[tuple[int, float], ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class PathRestart:
     """The axes stand somewhere else than the last motion has ended: the next one begins there."""
@@ -979,6 +1000,7 @@ Block = (
     | PositionSetting
     | IndependentMotion
     | IndependentWait
+    | CouplingChange
     | PathRestart
     | OptionalSection
     | DistanceMark

@@ -120,6 +120,7 @@ class Gates:
             GateReason.EXACT_STOP: self._exact_stop,
             GateReason.AXIS_JOBS: self._axis_jobs,
             GateReason.INDEPENDENT: self._own_motion,
+            GateReason.COUPLING: self._couple,
             GateReason.INDEPENDENT_WAIT: self._own_motions_over,
             GateReason.USER_ERROR: self._user_error,
             GateReason.PROGRAM_END: self._program_end,
@@ -298,7 +299,11 @@ class Gates:
         if not around.actions.all_taken:
             return _MESSAGE
         self._settling = 0.0
-        around.link.reach(path.position + around.beside.alone.offset, self._actual[around.axes], around.beside.by_hand)
+        around.link.reach(
+            path.position + around.beside.offset - around.beside.by_hand,
+            self._actual[around.axes],
+            around.beside.by_hand,
+        )
         return self._open(gate)
 
     def _exact_stop(self, gate: QueueRecord) -> int:
@@ -324,6 +329,17 @@ class Gates:
         if not (self._running and path.standstill and path.all_told):
             return _NONE
         self._around.beside.begin_alone(gate, path, locked=self._locked)
+        return self._open(gate)
+
+    def _couple(self, gate: QueueRecord) -> int:
+        """Axes begin to follow others, or no longer do."""
+        path = self._path
+        if not (self._running and path.standstill and path.all_told):
+            return _NONE
+        record = path.queue.record(path.gate)
+        masters, ahead = record["start"].tolist(), record["end"].tolist()
+        axes = range(len(self._around.axes))
+        self._around.beside.couple([(k, int(masters[k]) - 1, ahead[k]) for k in axes if masters[k] > 0.0], path)
         return self._open(gate)
 
     def _own_motions_over(self, gate: QueueRecord) -> int:

@@ -86,6 +86,7 @@ class GateReason(IntEnum):
     SET_POSITION = 24  # an axis counts anew where it stands
     INDEPENDENT = 25  # an own motion of an axis begins
     INDEPENDENT_WAIT = 26  # own motions have come to their targets
+    COUPLING = 27  # axes follow others from here on, or no longer
     SEARCH_BEGIN = 30  # block search: see blocks.SearchStep
     SEARCH_END = 31
     SEARCH_RETURN = 32

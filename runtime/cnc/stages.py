@@ -19,6 +19,7 @@ from runtime.cnc.path_preparation import (
     SpatialArcs,
     smooth,
 )
+from runtime.cnc.path_preparation.coupled_limits import coupled_limits
 from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.diagnostics.errors import Problem
 
@@ -37,5 +38,5 @@ def prepared(
     """
     compensated = ToolRadiusCompensation()(late(blocks))
     smoothed = smooth(SpatialArcs()(compensated), axes, warnings)
-    limited = limits(CornerDecelerations()(smoothed), warnings)
+    limited = limits(coupled_limits(CornerDecelerations()(smoothed), limits.configured), warnings)
     return limited if joints is None else MicroJoints(joints, warnings)(limited)

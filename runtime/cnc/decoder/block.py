@@ -17,6 +17,7 @@ from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, 
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.axis_jobs import give_jobs, wait_for_jobs
 from runtime.cnc.decoder.block_functions import Functions
+from runtime.cnc.decoder.couplings import restore
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow
@@ -63,6 +64,7 @@ class WordBlocks:
             self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
         select_zero_offset(self._x, self._x.memory.zero_default)
         begin_with_tools(self._x)
+        restore(self._x)
         for number in self._x.setup.start_g:
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)

@@ -18,6 +18,7 @@ import numpy as np
 from runtime.cnc.blocks import Block, BlockEnd, Dwell, ExactStop, Floats, LimitBehaviour, Polyline, Source, StepEnd
 from runtime.cnc.decoder.contour_lines import ContourLines
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
+from runtime.cnc.decoder.coupling_state import ActiveCouplings
 from runtime.cnc.decoder.environment import DecoderEnvironment
 from runtime.cnc.decoder.external import ExternalVariables
 from runtime.cnc.decoder.feed_group import FeedGroup
@@ -144,6 +145,7 @@ class Execution:
         self.limit_behaviour = [LimitBehaviour.ERROR] * len(setup.axes)
         self.last_limits: dict[int, tuple[float, float]] = {}  # of POS_LIMIT ON, mm or degrees
         self.independent = OwnMotions()
+        self.coupling = ActiveCouplings()
         self.modulo = ModuloAxes.of(setup.modulo_axes, always_shortest=setup.always_shortest)
         self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else
         self.manual_axes: set[int] = set()  # moved by hand beside the path (G201)
@@ -313,6 +315,7 @@ class Execution:
             and not self.modal.exact_stop
             and not self.compensation.watches
             and not self.independent.running
+            and not self.coupling.slaves
         )
 
     def take_path_start(self) -> list[float]:
@@ -376,6 +379,10 @@ class Execution:
     def counted(self, axis: int, position: float) -> float:
         """A machine position of an axis as the program counts it: without the turns that it leaves out."""
         return self.modulo.shown(axis, position - self.coordinates.turns[axis])
+
+    def place_of(self, axis: int) -> float:
+        """Where an axis stands behind the last motion, as the program counts it; a slave is where its master has led it."""
+        return self.counted(axis, self.coupling.place(axis, self.coordinates.position))
 
     def shown_length(self, value: float) -> float:
         """A length as the program sees it."""

@@ -65,6 +65,7 @@ class Levels:
         for block in last:
             x.emit(block)
         x.frames.clear()
+        x.memory.came_to_end = True
         x.emit(Stop(x.source, StopKind.PROGRAM_END))
 
     # ------------------------------------------------------------------ calls

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
-from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.decoder.setup import DecoderSetup, Pairs
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
 from runtime.cnc.tools.table import MemoryTools, ToolTable
@@ -69,6 +69,9 @@ class ChannelMemory:
         self.spindle_m_free = setup.spindle_m_free  # V.SPDL.M_FCT_FREE
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
         self.report = ReportCount()
+        self.couplings: dict[int, Pairs] = dict(setup.couplings)  # group -> logical numbers of slaves and masters
+        self.coupled: tuple[int, ...] = ()  # groups that are active, or were when the last program was over
+        self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
         self.parameter_arrays: Scope | None = None
 

@@ -7,6 +7,7 @@ it begins anew at that place.
 from __future__ import annotations
 
 from runtime.cnc.blocks import Homing, ManualMotion, PathRestart, PositionSetting, TakeOver
+from runtime.cnc.decoder.couplings import expect_uncoupled
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.independent import wait_for
 
@@ -23,6 +24,7 @@ def waits_for_place(x: Execution, block: ManualMotion | Homing | TakeOver | Posi
         x.waiting = None
         x.emit(PathRestart(x.source))
         return False
+    expect_uncoupled(x, reason, 1)
     wait_for(x, tuple(x.independent.running))
     x.emit(block)
     x.repeat(reason)

@@ -138,6 +138,9 @@ class OtherAxis:
     log_axis: int
 
 
+Pairs = tuple[tuple[int, int], ...]  # logical axis numbers of slave and master
+
+
 class AxisDynamics(NamedTuple):
     """What an axis can: mm or degrees, and seconds."""
 
@@ -239,6 +242,9 @@ class DecoderSetup:
     other_axes: tuple[OtherAxis, ...] = ()  # without spindles
     job_units: bool = False  # P-CHAN-00182
     jobs_wait: bool = False  # P-CHAN-00359
+    couplings: Mapping[int, Pairs] = field(default_factory=dict)  # of synchro_data: group -> pairs
+    couplings_after_reset: bool = False  # P-CHAN-00104
+    couplings_after_end: bool = False  # P-CHAN-00105
     independent_exact_stop: int = 0  # P-CHAN-00297
     independent_waits_named: bool = False  # P-CHAN-00451
     modal_centre: bool = False  # P-CHAN-00159: I, J, K hold for following circles
@@ -349,6 +355,9 @@ class DecoderSetup:
             ),
             job_units=parameters.plcopen_std_unit,
             jobs_wait=parameters.plcopen_implicit_sync,
+            couplings=parameters.synchro_data.axis_pairs,
+            couplings_after_reset=parameters.synchro_data.restore_coupling_after_reset,
+            couplings_after_end=parameters.synchro_data.preserve_coupling_after_prog_end,
             independent_exact_stop=parameters.mode_exact_stop_indp_axis,
             independent_waits_named=bool(parameters.mode_implicite_sync_indp_asyn_axis),
             modal_centre=parameters.modal_i_j_k_for_circle,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from runtime.cnc.blocks import (
     MANUAL_SHARE,
     Block,
+    CoupledAxis,
+    CouplingChange,
     Homing,
     IndependentMotion,
     IndependentWait,
@@ -65,12 +69,21 @@ def beside_path(record: Records, block: ManualMotion | ManualParameter | Homing 
     return False
 
 
+def coupling(record: Records, block: CouplingChange) -> None:
+    """Fill the record of the gate: `start` of a slave its master + 1, `end` how far it is ahead."""
+    record["kind"], record["reason"] = RecordKind.GATE, GateReason.COUPLING
+    for one in block.coupled:
+        record["start"][0, one.slave], record["end"][0, one.slave] = one.master + 1, one.offset
+
+
 class PathShare:
-    """What is left to the path: an axis that the hand may move too keeps its share free for it."""
+    """What is left to the path: an axis that the hand may move too keeps its share free for it, one that others follow does no
+    more than these can."""
 
     def __init__(self, limits: AxisLimits) -> None:
         self._whole = limits
         self._share = np.ones(limits.n)
+        self._coupled: tuple[CoupledAxis, ...] = ()
 
     def of(self, limits: AxisLimits) -> AxisLimits:
         """The limits of the axes are others now; those of the path."""
@@ -84,10 +97,25 @@ class PathShare:
         self._share[list(block.axes)] = 1.0 - MANUAL_SHARE if block.kind is ManualKind.PARALLEL else 1.0
         return True
 
+    def couple(self, coupled: tuple[CoupledAxis, ...]) -> AxisLimits:
+        """Other axes follow others from here on; the limits of the path."""
+        self._coupled = coupled
+        return self.now
+
+    def _followed(self) -> AxisLimits:
+        """The limits where a master does no more than its slaves can."""
+        if not self._coupled:
+            return self._whole
+        values = {f.name: getattr(self._whole, f.name).copy() for f in fields(AxisLimits)}
+        for one in self._coupled:
+            for value in values.values():
+                value[one.master] = min(value[one.master], value[one.slave])
+        return AxisLimits(**values)
+
     @property
     def now(self) -> AxisLimits:
         """The limits of the path."""
-        whole, share = self._whole, self._share
+        whole, share = self._followed(), self._share
         if np.all(share == 1.0):
             return whole
         return AxisLimits(

@@ -26,6 +26,7 @@ from runtime.cnc.blocks import (
     AxisJobWait,
     Block,
     BlockEnd,
+    CouplingChange,
     Dwell,
     ExactStop,
     Floats,
@@ -211,6 +212,8 @@ class BlockSearchStage:
                 self._refuse(block.source, "homing (G74)")
             case IndependentMotion() | IndependentWait():
                 self._refuse(block.source, "an own motion of an axis (INDP_SYN, INDP_ASYN)")
+            case CouplingChange():
+                self._refuse(block.source, "an axis coupling (#AX LINK)")
             case PositionSetting():
                 self._refuse(block.source, "SET_POSITION")
             case TakeOver():

@@ -26,6 +26,7 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     ClearStorage,
+    CouplingChange,
     DistanceMark,
     Dwell,
     DynamicsChange,
@@ -74,7 +75,7 @@ from runtime.cnc.geometry.polynomial_table import MAP
 from runtime.cnc.job_records import write_job, write_wait
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.axis_travel import axis_travel
-from runtime.cnc.path_preparation.beside_path import PathShare, beside_path, independent
+from runtime.cnc.path_preparation.beside_path import PathShare, beside_path, coupling, independent
 from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
 from runtime.cnc.path_preparation.dynamics import Border
@@ -391,6 +392,11 @@ class QueueWriter:
             case PathRestart():
                 self._before = self._place = self._block_end = None
                 return record[:0]
+            case CouplingChange():
+                coupling(record, block)
+                for axis, place in block.ends:
+                    self._move_place(axis, place)
+                self._limits.change_axes(self._left.couple(block.coupled))
             case ActualLimit():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.ACTUAL_LIMIT
                 record["number"], record["value"], record["seconds"] = block.axis, block.low, block.high

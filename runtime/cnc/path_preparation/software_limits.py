@@ -119,6 +119,12 @@ class SoftwareLimits:
         axes = [machine.axes[machine.axis_index(name)] for name in names]
         return cls(names, [axis.position_min for axis in axes], [axis.position_max for axis in axes])
 
+    @property
+    def configured(self) -> tuple[tuple[float, float], ...]:
+        """The limits with which every program begins, (n_axes,)."""
+        low, high = self._configured
+        return tuple(zip((low + ROUNDING).tolist(), (high - ROUNDING).tolist(), strict=True))
+
     def nearest(self, position: Floats) -> Floats:
         """The place within the limits that is nearest to `position`, both (n_axes,)."""
         return np.clip(position, self._low, self._high)

@@ -87,6 +87,36 @@ class ForwardBackward(Model):
     disable_stop_2nd_forward: bool = False  # P-CHAN-00310
 
 
+class CouplingPair(Model):
+    """`synchro_data.koppel_gruppe[0].paar[j].*`: two axes, of which one follows the other."""
+
+    log_achs_nr_slave: int = 0  # P-CHAN-00038
+    log_achs_nr_master: int = 0  # P-CHAN-00037
+
+
+class CouplingGroup(Model):
+    """`synchro_data.koppel_gruppe[0].*`."""
+
+    paar: dict[int, CouplingPair] = Field(default_factory=dict)
+
+
+class SynchroData(Model):
+    """`synchro_data.*`: the coupling group 0, and what becomes of couplings."""
+
+    koppel_gruppe: dict[int, CouplingGroup] = Field(default_factory=dict)
+    restore_coupling_after_reset: bool = False  # P-CHAN-00104
+    preserve_coupling_after_prog_end: bool = False  # P-CHAN-00105
+
+    @property
+    def axis_pairs(self) -> dict[int, tuple[tuple[int, int], ...]]:
+        """Group -> pairs of axes, slave first."""
+        return {
+            number: tuple((pair.log_achs_nr_slave, pair.log_achs_nr_master) for pair in group.paar.values())
+            for number, group in self.koppel_gruppe.items()
+            if group.paar
+        }
+
+
 class ProgramStart(Model):
     """`prog_start.*`: what holds when a program starts."""
 
@@ -283,6 +313,8 @@ class ChannelParameters(Model):
     max_motion_blocks_ahead: int = 0  # P-CHAN-00246
     max_time_ahead: float = 0.0  # P-CHAN-00269, µs
     dec_max_ahead_protected: str = "NONE"  # P-CHAN-00270: NONE or ACTIVE
+    # couplings
+    synchro_data: SynchroData = SynchroData()
     # tool radius compensation
     wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # smoothing

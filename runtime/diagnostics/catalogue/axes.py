@@ -76,3 +76,40 @@ INDEPENDENT_FUNCTION = _entry(
     "put it into the bracket of the axis, or into another block",
     "programming manual line 29685",
 )
+COUPLING_GROUP = _entry(
+    312520,
+    "a program cannot define coupling group {value}",
+    "1 to {last}; group 0 is that of the channel parameters (synchro_data)",
+    "programming manual line 12955",
+)
+COUPLING_PAIRS = _entry(
+    312521, "coupling group {group}: {what}", "correct the pairs of the group", "programming manual line 12960"
+)
+COUPLING_CHANGED = _entry(
+    312522,
+    "coupling group {group} is active, so it cannot be changed",
+    "switch it off before (#AX LINK OFF)",
+    "programming manual line 12958",
+)
+COUPLING_UNDEFINED = _entry(
+    312523,
+    "coupling group {group} is not defined",
+    "define it with #AX LINK, or in synchro_data",
+    "programming manual line 13215",
+)
+COUPLING_NUMBER = _entry(312524, "{text!r} is no logical axis number", "with NBR pairs are written as numbers: 4=2")
+COUPLED_SLAVE = _entry(
+    312525,
+    "axis {axis} follows {master}, so it cannot be programmed",
+    "switch the coupling off before (#AX LINK OFF)",
+    "programming manual line 13222",
+)
+COUPLING_ACTIVE = _entry(
+    312526,
+    "{what} cannot be while axes are coupled (group {group})",
+    "switch the coupling off before (#AX LINK OFF)",
+    "programming manual line 13220",
+)
+COUPLING_SMOOTHED = _entry(
+    312527, "{statement} cannot be while contouring, splines or HSC are selected", "deselect them before"
+)

@@ -192,10 +192,6 @@ def test_the_method_of_contouring() -> None:
         ("GEAR_LINK_ACTIVE", ("#GEAR LINK ON [TARGETNR=5 AXNR1=6]",)),
         ("SINGUL_AVOID_ACTIVE", ("#SINGULARITY AVOIDANCE ON",)),
         ("BLOCK_SEARCH_ACTIVE", ()),
-        ("AX_LINK.NR", ("#AX LINK ON [1]", "#AX LINK ON")),
-        ("AX_LINK.ACTIVE", ("#ENABLE AX LINK [1]", "#ENABLE AX LINK")),
-        ("AX_LINK_GROUP[0].ACTIVE", ()),
-        ("AX_LINK_GROUP[4].ACTIVE", ()),
     ],
 )
 def test_what_cannot_be_switched_on_is_not_active(flag: str, switches: tuple[str, ...]) -> None:

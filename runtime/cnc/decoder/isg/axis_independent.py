@@ -6,6 +6,7 @@ import math
 
 from runtime.cnc.blocks import IndependentMotion, Technology
 from runtime.cnc.decoder.additions import expect_no_line
+from runtime.cnc.decoder.couplings import expect_uncoupled
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.independent import ALLOWED, EXACT_AT_WAIT, speed_for, wait_for
 from runtime.cnc.decoder.isg.axis_commands import axis_command
@@ -87,6 +88,7 @@ def _motion(x: Execution, call: StatementCall, axis: int) -> IndependentMotion:
     name = x.setup.axes[axis]
     expect_none(x, f"{name}[INDP_..]", call.column)
     expect_no_line(x)
+    expect_uncoupled(x, f"{name}[INDP_..]", call.column)
     if x.modal.contouring or x.smoothing.spline_on or x.smoothing.hsc_on:
         raise call.error(errors.INDEPENDENT_BARRED, axis=name, what="contouring, splines or HSC are selected")
     wait_for(x, [axis])

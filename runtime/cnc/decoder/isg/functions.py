@@ -21,6 +21,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     splines,
     statements_backward,
     statements_channel,
+    statements_couplings,
     statements_cycles,
     statements_display,
     statements_dynamics,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from runtime.cnc.blocks import Homing, ManualKind, ManualMotion
 from runtime.cnc.decoder.additions import expect_no_line
+from runtime.cnc.decoder.couplings import expect_uncoupled
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, g_function
 from runtime.cnc.decoder.places import begin_where_axes_are
@@ -60,6 +61,7 @@ def by_hand(x: Execution, call: GCall) -> None:
 )
 def beside_the_path(x: Execution, call: GCall) -> None:
     """The named axes are moved by hand beside the path."""
+    expect_uncoupled(x, "G201", call.column)
     chosen = tuple(x.raw_arguments(201, call.column))
     x.manual_axes.update(chosen)
     x.emit(ManualMotion(x.source, ManualKind.PARALLEL, chosen))

@@ -7,6 +7,7 @@ the command position: the next straight move leads from there to its target, and
 from __future__ import annotations
 
 from runtime.cnc.blocks import TakeOver
+from runtime.cnc.decoder.couplings import expect_uncoupled
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
 from runtime.cnc.decoder.places import waits_for_place
@@ -88,6 +89,7 @@ def initialise(x: Execution, call: StatementCall) -> None:
 
     With ACTPOS the next motion has to be straight, whatever the difference is, so that a check without machine tells it too.
     """
+    expect_uncoupled(x, "#CHANNEL INIT", call.column)
     actual = call.given("ACTPOS")
     if actual == call.given("CMDPOS"):
         raise LineError(catalogue.POSITIONS_KIND, call.column)
@@ -104,6 +106,7 @@ def initialise(x: Execution, call: StatementCall) -> None:
 @statement("SET DEC LR SOLL", _INIT, flush=True)
 def initialise_command(x: Execution, call: StatementCall) -> None:
     """The old form of #CHANNEL INIT [CMDPOS]."""
+    expect_uncoupled(x, "#SET DEC LR SOLL", call.column)
     if _by_hand(x):
         return
     _begin_at(x, command_position(x), None)

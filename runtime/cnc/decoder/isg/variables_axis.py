@@ -25,12 +25,12 @@ _LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
 
 @variable("V.A.ABS.<axis>", _COORDINATES, "coordinate of the block before with all offsets", unit=_LENGTH)
 def absolute(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.counted(axis, x.coordinates.position[axis]))
+    return x.shown(axis, x.place_of(axis))
 
 
 @variable("V.A.ACS.ABS.<axis>", _COORDINATES, "the same, mapped onto the machine axis", unit=_LENGTH)
 def absolute_of_axis(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.counted(axis, x.coordinates.position[axis]))
+    return x.shown(axis, x.place_of(axis))
 
 
 @variable("V.A.PROG.<axis>", _COORDINATES, "programmed coordinate of the block before", unit=_LENGTH)

@@ -6,6 +6,7 @@ on is registered, the flag is refused instead, until it is made to tell the trut
 
 from __future__ import annotations
 
+from runtime.cnc.decoder.couplings import GROUPS
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, variable
 from runtime.cnc.decoder.isg.variables_channel import index_between
@@ -53,9 +54,7 @@ ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "GEAR_LINK_ACTIVE": (("GEAR LINK",), ()),
     "SINGUL_AVOID_ACTIVE": (("SINGULARITY",), ()),
 }
-_COUPLING = ("AX LINK", "ENABLE AX LINK")
 _COUPLING_SPEC = "isg.var.g-link-rotation"
-_COUPLING_GROUPS = 5  # 0…4
 
 
 def require_absent(name: str, statements: tuple[str, ...], g: tuple[int, ...]) -> None:
@@ -103,20 +102,6 @@ def tool_compensation(x: Execution) -> float:
 # ---------------------------------------------------------------------------------------------------- axis couplings
 
 
-@variable("V.G.AX_LINK.NR", _COUPLING_SPEC, "group of axis couplings that is or was active last: 0, there was none")
-def coupling_group(x: Execution) -> float:
-    require_absent("V.G.AX_LINK.NR", _COUPLING, ())
-    return 0.0
-
-
-@variable("V.G.AX_LINK.ACTIVE", _COUPLING_SPEC, "0: this control does not have axis couplings")
-def coupled(x: Execution) -> float:
-    require_absent("V.G.AX_LINK.ACTIVE", _COUPLING, ())
-    return 0.0
-
-
-@variable("V.G.AX_LINK_GROUP[].ACTIVE", _COUPLING_SPEC, "0: no group (0…4) of axis couplings is active")
+@variable("V.G.AX_LINK_GROUP[].ACTIVE", _COUPLING_SPEC, "1 while this group (0…4) of axis couplings is active")
 def group_coupled(x: Execution, group: float) -> float:
-    require_absent("V.G.AX_LINK_GROUP", _COUPLING, ())
-    index_between(group, 0, _COUPLING_GROUPS - 1, "V.G.AX_LINK_GROUP")
-    return 0.0
+    return float(index_between(group, 0, GROUPS - 1, "V.G.AX_LINK_GROUP") in x.coupling.active)

@@ -223,6 +223,8 @@ class StatementParser:
             yield from self._assignments(syntax, text, position + 1, end)
         elif syntax.form is Form.PLACES:
             yield from self._places(syntax, text, position + 1, end)
+        elif syntax.form is Form.PAIRS:
+            yield from self._pairs(syntax, text, position + 1, end)
         elif syntax.form is Form.SPINDLE:
             yield self._spindle(text, position + 1, end)
         elif syntax.form is Form.DIRECTION:
@@ -330,6 +332,27 @@ class StatementParser:
                     self._blocks.expression(text[start:stop], start + 1), _title(syntax), start + 1
                 )
                 yield Argument("", start + 1, value, index=place)
+
+    def _pairs(self, syntax: StatementSyntax, text: str, begin: int, end: int) -> Iterator[Argument]:
+        """1, Z=Y: GROUP, then SLAVE and MASTER of each pair, names as `text`, everything else as numbers."""
+        for number, (start, stop) in enumerate(_parts(text, begin, end)):
+            if number == 0:
+                value = self._blocks.expression(text[start:stop], start + 1)
+                yield Argument("GROUP", start + 1, expressions.number(value, _title(syntax), start + 1))
+                continue
+            left, equals, right = text[start:stop].partition("=")
+            if not equals or left.lstrip().startswith("["):
+                raise self._not_understood(syntax, text, start)
+            for key, part, at in (("SLAVE", left, start), ("MASTER", right, start + len(left) + 1)):
+                yield self._axis_or_number(syntax, key, part.strip(), _skip(text, at) + 1)
+        if number == 0:
+            raise self._not_understood(syntax, text, end)
+
+    def _axis_or_number(self, syntax: StatementSyntax, key: str, text: str, column: int) -> Argument:
+        if _AXIS_NAME.fullmatch(text) and not text.startswith("V."):
+            return Argument(key, column, text=text)
+        value = expressions.number(self._blocks.expression(text, column), _title(syntax), column)
+        return Argument(key, column, value)
 
     def _spindle(self, text: str, begin: int, end: int) -> Argument:
         """S2, or an expression for the logical axis number."""

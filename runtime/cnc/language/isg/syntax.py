@@ -112,6 +112,7 @@ class Form(Enum):
     ASSIGNMENTS = auto()  # [P1=X, V.P.A=Y]: target = axis
     PLACES = auto()  # [1,,P3]: values by their place, places may stay empty
     DIRECTION = auto()  # [Z+]: an axis and a sign
+    PAIRS = auto()  # [1, Z=Y, 4=2]: a number, then pairs of axes by name or number
     SPINDLE = auto()  # [S2] or [11]: the name of a spindle, or its logical axis number
 
 
