@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from enum import Enum, auto
 
 import numpy as np
@@ -181,6 +182,7 @@ class Channel:
 
     def start(self, order: StartOrder, *, locked: bool = False, keeps_path: bool = True) -> None:
         """Begin a program from its machine position (n_axes,); the caller has checked that the axes are ready."""
+        order = replace(order, after_end=self._came_to_end)
         self.program = order.program
         self.locked = locked
         self.program_ended = False

@@ -68,6 +68,7 @@ RECORD = np.dtype(
         ("manual", "f8", (AXES,)),  # offsets by hand there
         ("text", "i4"),  # 1: `program` is NC blocks
         ("mode", "i4"),  # of the mode unit
+        ("after_end", "i4"),
         ("program", f"S{FILE}"),
         ("search", "i4"),  # SearchKind, and the fields of BlockSearch
         ("search_passes", "u4"),
@@ -93,7 +94,8 @@ class StartOrder:
     """Which program, from which machine position (n_axes,), with which skip levels (bit n-1 = level n), in which mode.
 
     `text`: the program is NC blocks, and no file. `search`: where it is entered, None at its beginning; `begin` (n_axes,) is
-    where the program takes the axes to be at its beginning then, None where they are.
+    where the program takes the axes to be at its beginning then, None where they are. `after_end`: the program before has come to
+    its end.
     """
 
     program: str
@@ -103,6 +105,7 @@ class StartOrder:
     text: bool = False
     search: BlockSearch | None = None
     begin: npt.NDArray[np.float64] | None = None
+    after_end: bool = False
 
 
 class Failure(NamedTuple):
@@ -146,6 +149,7 @@ class PreparationLink:
         record["start"][0, : self._n_axes] = order.start
         record["skip_levels"][0] = order.skip_levels
         record["mode"][0], record["text"][0] = order.mode, order.text
+        record["after_end"][0] = order.after_end
         record["begin"][0, : self._n_axes] = order.start if order.begin is None else order.begin
         self._write_search(order.search)
         record["state"][0] = PreparationState.RUNNING
@@ -259,6 +263,7 @@ class PreparationLink:
             text=bool(self._get("text")),
             search=self._read_search(),
             begin=np.array(record["begin"][0, : self._n_axes]),
+            after_end=bool(self._get("after_end")),
         )
 
     @property

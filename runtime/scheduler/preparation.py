@@ -133,6 +133,7 @@ class Preparation:
         order = self._link.read_start()
         self.close()
         self._flushes = 0
+        self._memory.came_to_end = order.after_end
         try:
             source = self._source(order, self._outside)
         except TandemError as error:

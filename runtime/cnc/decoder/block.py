@@ -17,7 +17,7 @@ from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, 
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.axis_jobs import give_jobs, wait_for_jobs
 from runtime.cnc.decoder.block_functions import Functions
-from runtime.cnc.decoder.couplings import restore
+from runtime.cnc.decoder.couplings import expect_no_slave, restore
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.flow import Flow
@@ -224,6 +224,8 @@ class WordBlocks:
             dwell(x, block, values)
             return True
         corner = additions.corner_of(x, block)
+        if x.coupling.slaves and not x.axes_taken:
+            expect_no_slave(x, x.axis_words, block.column(WordKind.AXIS))
         if x.independent.running and (corner or x.additions or x.modal.motion is Motion.ARC_IN_SPACE):
             wait_for(x, tuple(x.independent.running))
         words = not x.axes_taken and bool(block.axes or block.interpolation)

@@ -9,7 +9,6 @@ import numpy as np
 from runtime.cnc.blocks import Arc, Corner, Dwell, Floats, Line
 from runtime.cnc.decoder import circles
 from runtime.cnc.decoder.arcs import radius_transition
-from runtime.cnc.decoder.couplings import expect_no_slave
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
 from runtime.cnc.decoder.feed_change import changing_arc, changing_line
@@ -57,8 +56,6 @@ def target(x: Execution, block: CompiledBlock) -> list[float]:
     With G90 an axis that turns without end goes to the position in the direction of the sign behind its name, less than a
     turn; without a sign it takes the shorter way (line 29123).
     """
-    if x.coupling.slaves:
-        expect_no_slave(x, x.axis_words, block.column(WordKind.AXIS))
     words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
     directions = _directions(x, block, words) if block.signs or x.modulo.ranges else {}
     end = x.coordinates.target(words, x.incremental_words or x.modal.incremental)

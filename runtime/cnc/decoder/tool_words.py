@@ -6,8 +6,10 @@ import numpy as np
 
 from runtime.cnc.blocks import Line
 from runtime.cnc.decoder import additions
+from runtime.cnc.decoder.couplings import expect_no_slave
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, require_feed
+from runtime.cnc.decoder.independent import wait_before_motion
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.decoder.motion import expect_in_range, pcs_gain, programmed_at
 from runtime.cnc.decoder.tool_management import ToolWait, announce_outside, life_changes, ready
@@ -134,6 +136,8 @@ def move_at_once(x: Execution, ways: dict[int, float]) -> None:
     for axis, way in ways.items():
         end[axis] += way
     expect_in_range(x, block, end)
+    expect_no_slave(x, ways, block.column(WordKind.TOOL_DATA))
+    wait_before_motion(x, end)
     rapid = x.modal.motion is Motion.RAPID
     if not rapid:
         require_feed(x, block)
