@@ -20,16 +20,20 @@ from runtime.cnc.blocks import (
     Arc,
     Block,
     BlockEnd,
+    CouplingChange,
     DynamicsChange,
     Flush,
     Hold,
     Homing,
+    IndependentMotion,
+    IndependentWait,
     Line,
     ManualMotion,
     MicroJointFeed,
     PathRestart,
     Polyline,
     Polynomials,
+    PositionSetting,
     Stop,
     Synch,
     TakeOver,
@@ -47,7 +51,19 @@ from runtime.diagnostics.errors import Place, Problem
 
 _ON_BORDER = 1e-6  # mm: a place so near to the end of an element lies there
 _MOST_KEPT = 4096  # blocks of any kind; a program without ends of blocks is not kept back further
-_BARRIERS = (Flush, Hold, Homing, ManualMotion, PathRestart, Stop, TakeOver)
+_BARRIERS = (
+    CouplingChange,
+    Flush,
+    Hold,
+    Homing,
+    IndependentMotion,
+    IndependentWait,
+    ManualMotion,
+    PathRestart,
+    PositionSetting,
+    Stop,
+    TakeOver,
+)
 _WAITED = Synch.MVS_SVS | Synch.MVS_SNS | Synch.MNS_SNS
 
 
