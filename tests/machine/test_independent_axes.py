@@ -39,7 +39,7 @@ def with_parameters(folder: Path, *, ideal: bool = True, **parameters: object) -
     return Driven(demo.model_copy(update={"channels": (changed,)}), folder, ideal_axes=ideal)
 
 
-def run(driven: Driven, text: str) -> np.ndarray:  # type: ignore[type-arg]
+def run(driven: Driven, text: str) -> np.ndarray:
     """Set-points (cycles, axes) until the program is over."""
     driven.forget()
     driven.start(text)
@@ -60,7 +60,7 @@ def assert_smooth(driven: Driven) -> None:
         assert np.abs(a[:, k]).max(initial=0.0) <= axis.acceleration * 1.01 + axis.velocity_step / period, "corners"
 
 
-def first(path: np.ndarray, condition: Callable[[np.ndarray], np.ndarray]) -> int:  # type: ignore[type-arg]
+def first(path: np.ndarray, condition: Callable[[np.ndarray], np.ndarray]) -> int:
     """The first cycle in which the condition holds."""
     (found,) = np.nonzero(condition(path))
     return int(found[0])
