@@ -37,7 +37,7 @@ def run(machine: Driven, text: str) -> None:
 
 
 def shown(machine: Driven, axis: str) -> float:
-    return machine.hli.axes[machine.machine.axis_index(axis)].status.command_position_r * 1e-4
+    return float(machine.hli.axes[machine.machine.axis_index(axis)].status.command_position_r) * 1e-4
 
 
 @pytest.mark.spec("isg.modulo.absolute-sign-programming", "isg.modulo.incremental-programming")
