@@ -178,7 +178,7 @@ def drive(machine: Driven, text: str) -> tuple[np.ndarray, np.ndarray]:
     return path[:, 0], path[:, index]
 
 
-@pytest.mark.spec("isg.add.ax-link-enable", "chan.synchro.coupling")
+@pytest.mark.spec("isg.add.ax-link-enable")
 @pytest.mark.parametrize("ideal", [True, False])
 def test_a_slave_follows_lines_circles_and_curves_within_what_it_can(tmp_path: Path, ideal: bool) -> None:
     machine = driven(tmp_path, DEFAULT, ideal=ideal)

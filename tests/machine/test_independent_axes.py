@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 from runtime.cnc.blocks import Arc, IndependentMotion, IndependentWait, Line, Polyline
 from runtime.cnc.decoder.independent import ramp_time, speed_for
 from runtime.cnc.decoder.setup import AxisDynamics, DecoderSetup
+from runtime.cnc.dynamic_settings import Slope
 from runtime.cnc.language.errors import ProgramErrors
 from runtime.cnc.search_target import SearchKind
 from runtime.config import load_machine
@@ -82,7 +84,7 @@ def test_the_next_block_waits_for_all_axes_of_the_block(tmp_path: Path, ideal: b
     assert path[-1, [X, Y, Z]].tolist() == pytest.approx([20.0, 11.0, -20.0])
 
 
-@pytest.mark.spec("isg.posax.indp-asyn", "isg.posax.wait-indp", "chan.indp.sync")
+@pytest.mark.spec("isg.posax.indp-asyn", "isg.posax.wait-indp")
 def test_an_asynchronous_axis_goes_on_through_the_blocks(machine: Driven) -> None:
     path = run(
         machine,
@@ -110,7 +112,7 @@ def test_all_axes_can_be_waited_for(machine: Driven) -> None:
     assert first(path, lambda p: p[:, X] > 4.9999) < slowest
 
 
-@pytest.mark.spec("isg.posax.wait-indp", "isg.posax.indp-asyn", "chan.indp.sync")
+@pytest.mark.spec("isg.posax.wait-indp", "isg.posax.indp-asyn")
 @pytest.mark.parametrize("block", ["Z-25", "Z[INDP_SYN POS-25 G00]", "G91 Z-5", "G02 X10 I2.5 Z-25"])
 def test_an_axis_that_moves_is_waited_for_where_it_is_moved_again(machine: Driven, block: str) -> None:
     path = run(machine, f"%D\nN5 G90 G01 F6000\nN10 Z[INDP_ASYN POS-20 FEED600]\nN20 X5\nN30 {block}\nM30\n")
@@ -121,7 +123,6 @@ def test_an_axis_that_moves_is_waited_for_where_it_is_moved_again(machine: Drive
     assert rests >= 1, "it has come to its first target before"
 
 
-@pytest.mark.spec("chan.indp.sync")
 @pytest.mark.parametrize("named", [0, 1])
 def test_naming_an_axis_waits_for_it_only_where_that_is_chosen(tmp_path: Path, named: int) -> None:
     driven = with_parameters(tmp_path, mode_implicite_sync_indp_asyn_axis=named)
@@ -132,7 +133,6 @@ def test_naming_an_axis_waits_for_it_only_where_that_is_chosen(tmp_path: Path, n
     assert path[-1, Z] == pytest.approx(-20.0), "the program ends when the axis is there"
 
 
-@pytest.mark.spec("chan.indp.sync")
 @pytest.mark.parametrize(
     ("mode", "block", "exact"),
     [(0, "#WAIT INDP [Z]", False), (2, "#WAIT INDP [Z]", True), (1, "G60 X6 Z-20", True), (0, "G60 X6 Z-20", False)],
@@ -148,7 +148,6 @@ def test_exact_stop_of_what_is_waited_for(mode: int, block: str, exact: bool) ->
         assert [(found.axes, found.exact) for found in waits] == [((2,), exact)]
 
 
-@pytest.mark.spec("chan.indp.sync")
 def test_an_exact_wait_looks_at_the_axis(tmp_path: Path) -> None:
     """With drives that lag behind: the path goes on only when Z is in its window."""
     driven = with_parameters(tmp_path, ideal=False, mode_exact_stop_indp_axis=2)
@@ -258,6 +257,27 @@ def test_functions_of_the_bracket_go_to_the_axis(keyword: str) -> None:
     assert all(motion_at < i < last for i in waits)
 
 
+@pytest.mark.spec("isg.posax.indp-syn", "isg.posax.indp-asyn")
+@pytest.mark.parametrize(
+    ("words", "channel", "share"),
+    [
+        ("", Slope.TRAPEZ, 1.0),
+        ("", Slope.SIN2, 2.0 / math.pi),
+        ("SLOPE_TYPE=SIN2", Slope.TRAPEZ, 2.0 / math.pi),
+        ("SLOPE_PROFIL=2", Slope.TRAPEZ, 2.0 / math.pi),
+        ("SLOPE_TYPE=STEP", Slope.SIN2, 1.0),
+        ("SLOPE_PROFIL 3", Slope.SIN2, 1.0),
+    ],
+)
+def test_the_slope_of_an_own_motion(words: str, channel: Slope, share: float) -> None:
+    can = AxisDynamics(400.0, 4000.0, 60000.0)
+    setup = replace(SETUP, axis_dynamics=(can,) * 3, dynamics=replace(SETUP.dynamics, slope=channel))
+    found = decode(f"X[INDP_SYN POS=5 FEED=600 {words} \\\n  G90]\nM30", setup)
+    assert found.problem is None, found.problem
+    (own,) = (block for block in found.blocks if isinstance(block, IndependentMotion))
+    assert (own.velocity, own.acceleration, own.jerk) == pytest.approx((10.0, 4000.0, 60000.0 * share))
+
+
 def refusal(text: str, setup: DecoderSetup = SETUP) -> int:
     """The error of a program, found before its start or on the way."""
     try:
@@ -275,7 +295,8 @@ BARRED: list[tuple[str, ErrorEntry]] = [
     ("X[INDP_SYN POS=5 G00 RAPID_ACC_WEIGHT=120]", errors.INDEPENDENT_VALUE),
     ("X[INDP_SYN G100 POS=5 FEED=100]", errors.INDEPENDENT_UNSUPPORTED),
     ("X[INDP_SYN POS=5 FEED=100 DRY_RUN]", errors.INDEPENDENT_UNSUPPORTED),
-    ("X[INDP_SYN POS=5 FEED=100 SLOPE_TYPE=STEP]", errors.INDEPENDENT_UNSUPPORTED),
+    ("X[INDP_SYN POS=5 FEED=100 SLOPE_PROFIL=4]", errors.INDEPENDENT_VALUE),
+    ("X[INDP_SYN POS=5 FEED=100 SLOPE_TYPE=CUBIC]", language.WORD_UNKNOWN),
     ("X[INDP_SYN FEED=100]", language.KEY_MISSING),
     ("X[INDP_SYN POS=5 FEED=100 TIME=3]", language.KEY_TWICE),
     ("X[INDP_SYN G90 G91 POS=5 FEED=100]", language.KEY_TWICE),

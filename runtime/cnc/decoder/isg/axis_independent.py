@@ -17,6 +17,7 @@ from runtime.cnc.decoder.motion import POSITION_LIMIT
 from runtime.cnc.decoder.own_motions import OwnFunction, OwnMotion
 from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.decoder.setup import AxisDynamics
+from runtime.cnc.dynamic_settings import Slope
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
 from runtime.diagnostics.catalogue import axes as errors
@@ -27,9 +28,9 @@ _SPEEDS = ("FEED", "TIME", "FEED_MAX_WEIGHT")
 _UNSUPPORTED = {
     "G100": "a measuring run of an own motion",
     "DRY_RUN": "the dry run of an own motion",
-    "SLOPE_PROFIL": "another slope of an own motion",
 }
-_SLOPES = ("TRAPEZ", "STEP", "SIN2", "HSC")
+_SLOPES = tuple(slope.name for slope in Slope)
+_SIN2 = 2.0 / math.pi  # of its greatest jerk is the mean of a sin² ramp
 _KEYS = (
     *(Key(name, KeyKind.FLAG) for name in ("G90", "G91", "G00", "G0", "G01", "G1", "INCL_OFFSETS", "G100", "DRY_RUN")),
     *(Key(name) for name in ("POS", *_SPEEDS, "ACC_WEIGHT", "RAPID_ACC_WEIGHT", "SLOPE_PROFIL")),
@@ -38,8 +39,8 @@ _KEYS = (
     Key("H", many=True),
 )
 _SYNTAX = (
-    "[G90|G91] [G00|G01] POS=.. [FEED=..|TIME=..|FEED_MAX_WEIGHT=..] [ACC_WEIGHT=..] [RAPID_ACC_WEIGHT=..] [INCL_OFFSETS] "
-    "[M..] [H..]"
+    "[G90|G91] [G00|G01] POS=.. [FEED=..|TIME=..|FEED_MAX_WEIGHT=..] [ACC_WEIGHT=..] [RAPID_ACC_WEIGHT=..] "
+    "[SLOPE_TYPE=..] [INCL_OFFSETS] [M..] [H..]"
 )
 
 
@@ -59,10 +60,6 @@ def _own_motion(keyword: str, spec: str, *, waits: bool) -> None:
         for key, what in _UNSUPPORTED.items():
             if call.given(key):
                 raise call.error(errors.INDEPENDENT_UNSUPPORTED, key, what=what)
-        if (call.text("SLOPE_TYPE") or "TRAPEZ") != "TRAPEZ":
-            raise call.error(
-                errors.INDEPENDENT_UNSUPPORTED, "SLOPE_TYPE", what="another slope than TRAPEZ of an own motion"
-            )
         if any(one.axis == axis for one in x.independent.of_block) or axis in x.axis_words:
             raise call.error(catalogue.WORD_TWICE, address=x.setup.axes[axis])
         moves = call.given("POS")
@@ -133,13 +130,28 @@ def _dynamics(x: Execution, call: StatementCall, axis: int, place: float, target
         raise call.error(
             errors.INDEPENDENT_VALUE, key, axis=name, key=key, value=weight, allowed="above 0, at most 100"
         )
-    can = AxisDynamics(can.velocity, can.acceleration * weight / 100.0, can.jerk * weight / 100.0)
+    share = weight / 100.0
+    can = AxisDynamics(can.velocity, can.acceleration * share, can.jerk * share * _jerk_share(x, call, name))
     velocity = can.velocity
     if not rapid and not given:
         raise call.error(errors.INDEPENDENT_FEED, axis=name)
     if given and not rapid:
         velocity = _velocity(x, call, axis, given[0], can, place, target)
     return min(velocity, can.velocity), can.acceleration, can.jerk
+
+
+def _jerk_share(x: Execution, call: StatementCall, name: str) -> float:
+    """What a slope leaves of the jerk; without one that of the channel holds (P-CHAN-00071). None exceeds what the axis can."""
+    slope, number = x.setup.dynamics.slope, call.number("SLOPE_PROFIL")
+    if number is not None:
+        if number not in list(Slope):
+            raise call.error(
+                errors.INDEPENDENT_VALUE, "SLOPE_PROFIL", axis=name, key="SLOPE_PROFIL", value=number, allowed="0 to 3"
+            )
+        slope = Slope(int(number))
+    if call.given("SLOPE_TYPE"):
+        slope = Slope[call.text("SLOPE_TYPE") or ""]
+    return _SIN2 if slope is Slope.SIN2 else 1.0
 
 
 def _velocity(
