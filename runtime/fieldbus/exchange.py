@@ -53,6 +53,7 @@ CODES: Final = {
     0x6411: "h",
     0x6412: "i",
 }
+IO_OBJECTS: Final = frozenset({READ_INPUTS, WRITE_OUTPUTS, *READ_ANALOGUE.values(), *WRITE_ANALOGUE.values()})
 IO_PROFILE: Final = 401
 IO_REFRESH: Final = 0.1  # s; inputs and outputs are sent when they change, and this often anyhow
 DISPLAY_POSITION: Final = PdoPlan(

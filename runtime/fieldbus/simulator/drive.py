@@ -14,6 +14,7 @@ from runtime.config.machine import SimulatedServo
 from runtime.drives import DriveState
 from runtime.fieldbus import cia402 as objects
 from runtime.fieldbus.cia402 import STAYS, Stop
+from runtime.fieldbus.exchange import CODES, IO_OBJECTS
 from runtime.fieldbus.links import wrap32
 from runtime.fieldbus.network import PolledNetwork
 from runtime.fieldbus.simulator.device_states import (
@@ -40,6 +41,19 @@ NO_WINDOW: Final = 0xFFFF_FFFF
 STRONGEST_BRAKE: Final = 10.0  # times the quick-stop ramp: brake at the limit of current or voltage
 UNKNOWN_MODE: Final = 0x06090030  # SDO abort: value out of range
 
+EXCHANGED: Final = (
+    *((index, 0) for index in CODES if index not in IO_OBJECTS and index != objects.INTERPOLATION_DATA),
+    (objects.ERROR_CODE, 0),
+    (0x1001, 0),
+)
+"""Objects that are 0 at power-on."""
+LIMITS: Final = (
+    objects.MAX_TORQUE,
+    objects.POSITIVE_TORQUE_LIMIT,
+    objects.NEGATIVE_TORQUE_LIMIT,
+    objects.PROFILE_VELOCITY,
+)
+"""Objects that the dictionary gives a value, and that may be mapped."""
 PARAMETERS: Final = (
     objects.ABORT_CONNECTION_OPTION,
     objects.QUICK_STOP_OPTION,
@@ -106,36 +120,11 @@ class SimulatedDrive(SimulatedNode):
         self.state = DriveState.NOT_READY_TO_SWITCH_ON
         self.controlword = 0
         self._braking_to = None
-        self.values = {
-            (objects.CONTROLWORD, 0): 0,
-            (objects.STATUSWORD, 0): 0,
-            (objects.ERROR_CODE, 0): 0,
-            (objects.MODES_OF_OPERATION, 0): 0,
-            (objects.MODE_DISPLAY, 0): 0,
-            (objects.POSITION_ACTUAL, 0): 0,
-            (objects.VELOCITY_ACTUAL, 0): 0,
-            (objects.TORQUE_ACTUAL, 0): 0,
-            (objects.FOLLOWING_ERROR, 0): 0,
-            (objects.TARGET_POSITION, 0): wrap32(round(self.counted)),
-            (objects.INTERPOLATION_DATA, 1): wrap32(round(self.counted)),
-            (objects.TARGET_VELOCITY, 0): 0,
-            (objects.TARGET_TORQUE, 0): 0,
-            (objects.MAX_TORQUE, 0): self._number(objects.MAX_TORQUE),
-            (objects.POSITIVE_TORQUE_LIMIT, 0): self._number(objects.POSITIVE_TORQUE_LIMIT),
-            (objects.NEGATIVE_TORQUE_LIMIT, 0): self._number(objects.NEGATIVE_TORQUE_LIMIT),
-            (objects.PROFILE_VELOCITY, 0): self._number(objects.PROFILE_VELOCITY),
-            (objects.VELOCITY_OFFSET, 0): 0,
-            (objects.TORQUE_OFFSET, 0): 0,
-            (objects.PROBE_FUNCTION, 0): 0,
-            (objects.PROBE_STATUS, 0): 0,
-            (objects.PROBE_1_RISING, 0): 0,
-            (objects.PROBE_1_FALLING, 0): 0,
-            (objects.PROBE_2_RISING, 0): 0,
-            (objects.PROBE_2_FALLING, 0): 0,
-            (objects.DIGITAL_INPUTS, 0): 0,
-            (objects.SUPPORTED_MODES, 0): sum(1 << mode - 1 for mode in MODES),
-            (0x1001, 0): 0,
-        }
+        limits = {(index, 0): self._number(index) for index in LIMITS}  # before: the live values hide the dictionary
+        self.values = dict.fromkeys(EXCHANGED, 0) | limits
+        counted = wrap32(round(self.counted))
+        self.values |= {(objects.TARGET_POSITION, 0): counted, (objects.INTERPOLATION_DATA, 1): counted}
+        self.values[objects.SUPPORTED_MODES, 0] = sum(1 << mode - 1 for mode in MODES)
         self._advanced = self.now
         self._mantissa = self._number(objects.INTERPOLATION_PERIOD, 1)
         self._exponent = self._number(objects.INTERPOLATION_PERIOD, 2)
