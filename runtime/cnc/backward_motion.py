@@ -64,6 +64,11 @@ class BackwardMotion:
         return self._path.queue is self.storage.queue
 
     @property
+    def possible(self) -> bool:
+        """What this program drives is kept."""
+        return self.storage.capacity > 0 and not self._off
+
+    @property
     def holds(self) -> bool:
         """The path has to brake, as it is to turn."""
         return self._way is Way.TURNING
@@ -109,7 +114,7 @@ class BackwardMotion:
     def step(self, wanted: bool, simulated: bool, mask: int) -> None:
         """Before the interpolator: turn where the path stands, fill what is driven next."""
         self.changed = False
-        if not self.storage.capacity or self._off:
+        if not self.possible:
             return
         path = self._path
         if self._way is Way.TURNING:
@@ -126,7 +131,7 @@ class BackwardMotion:
     def follow(self) -> None:
         """Behind the interpolator: keep what it has passed."""
         path = self._path
-        if self.storage.capacity and not self._off and not self.replaying:
+        if self.possible and not self.replaying:
             self.storage.follow(path.queue, min(path.reported, path.next_index))
 
     @property

@@ -170,7 +170,7 @@ class Channel:
         self.block_counter = 0
         self.path_length = 0.0  # mm, of the program that ended last
         self._drops = True
-        self._continue_was = False
+        self._continue_was = self._feeds_backward = False
         self._told_failure = False
         self._traced_index = -1
         self._traced_block: tuple[int, int | None] = (0, None)
@@ -295,6 +295,12 @@ class Channel:
         return float(record["f_word"] or record["feed"])
 
     @property
+    def shown_feed(self) -> float:
+        """Path velocity, mm/s; below 0 while a feed of the PLC drives the path backward."""
+        velocity = self.interpolator.path_velocity
+        return -velocity if self._feeds_backward and self.backward.backward else velocity
+
+    @property
     def path_way(self) -> int:
         """How the path is driven (runtime.hli.layout.PathWay)."""
         return _WAYS[self.backward.way]
@@ -313,6 +319,7 @@ class Channel:
             self.phase = Phase.RUNNING
         if self.phase is Phase.CLEARING and self.link.answered:
             self._cleared()
+        self._feeds_backward = inputs.feeds_backward
         self.functions.acknowledge(speeds)
         self.actions.step()
         if self.phase not in (Phase.RUNNING, Phase.ABORTING):
@@ -353,7 +360,10 @@ class Channel:
                 inputs.override * inputs.time_override,
                 inputs.rapid_override * inputs.time_override,
             )
-        stands = override == 0.0 or inputs.external_feed == 0.0
+        external_feed = inputs.external_feed
+        if inputs.feeds_backward and not backward.possible:
+            external_feed = 0.0
+        stands = override == 0.0 or external_feed == 0.0
         if stands or rapid_override == 0.0:
             stop |= _OVERRIDE_ZERO
         held = stop & ~_OVERRIDE_ZERO != 0
@@ -362,7 +372,7 @@ class Channel:
         path.step(
             override=override,
             rapid_override=rapid_override,
-            external_feed=inputs.external_feed,
+            external_feed=external_feed,
             feed_hold=held,
             single_block=single,
         )

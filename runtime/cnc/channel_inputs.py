@@ -13,6 +13,7 @@ class ChannelInputs:
     rapid_override: float = 1.0  # of rapid moves
     alone_override: float = 1.0  # of axes that are homed or moved by hand
     external_feed: float = -1.0  # mm/s, in place of the programmed feed; negative: there is none
+    feeds_backward: bool = False  # with it the path is driven backward
     time_override: float = 1.0  # scales the time of the path, on top of the override
     feed_hold: bool = False
     axis_feed_hold: bool = False  # of an axis that takes part

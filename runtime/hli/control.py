@@ -196,6 +196,7 @@ class ChannelCommands:
         self.override = 1.0  # share of the programmed feed
         self.rapid_override = 1.0
         self.external_feed = -1.0  # mm/s, in place of the programmed feed; negative: there is none
+        self.feeds_backward = False  # it is one below 0: the path is driven backward
         self.time_override = 1.0
         self.single_block = False
         self.optional_stop = False
@@ -249,19 +250,21 @@ class ChannelCommands:
         self.machine_lock = sample_bool(control.machine_lock, present, bool(operator.machine_lock_w))
         self.read_disable = sample_bool(control.read_disable, present, False)
         self.delete_distance = self._delete.sample(present)
-        self.backward = sample_bool(control.backward_motion, present, bool(operator.backward_motion_w))
+        backward = sample_bool(control.backward_motion, present, bool(operator.backward_motion_w))
+        self.backward = backward or self.feeds_backward
         self.backward_storage_off = sample_bool(control.backward_storage_off, present, False)
         self.simulate_motion = sample_bool(control.simulate_motion, present, bool(operator.simulate_motion_w))
         self.stop_level = sample_uns32(control.stop_level, present, 0)
         self.simulate_mask = sample_uns32(control.simulate_motion_mask, present, 0) & 2**63 - 1
 
     def _external_feed(self, control: ChannelControl, present: bool) -> float:
-        """A feed of the PLC in mm/s, -1 for none. The path does not go back: a negative one holds it."""
+        """A feed of the PLC in mm/s, -1 for none; one below 0 drives the path backward with its amount."""
         valid = sample_bool(control.ext_command_speed_valid, present, False)
         unit = control.ext_command_speed
         speed = int(unit.command_w) if valid and unit.enable_w else 0
-        unit.state_r = max(speed, 0)
-        return max(speed, 0) * SPEED if valid and unit.enable_w else -1.0
+        unit.state_r = speed
+        self.feeds_backward = speed < 0
+        return abs(speed) * SPEED if valid and unit.enable_w else -1.0
 
 
 class AxisCommands:

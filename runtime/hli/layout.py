@@ -756,7 +756,7 @@ class ChannelControl(c.Structure):
         ("override_valid", BoolUnit),
         ("rapid_override", Uns32Unit),  # 0.1 %, of rapid moves where P-CHAN-00181 says so
         ("rapid_override_valid", BoolUnit),
-        ("ext_command_speed", Sgn32Unit),  # 1 µm/s, in place of the programmed feed; below 0 the path stands
+        ("ext_command_speed", Sgn32Unit),  # 1 µm/s, in place of the programmed feed; below 0: backward on the path
         ("ext_command_speed_valid", BoolUnit),  # it counts while this is TRUE
         ("time_override", Uns32Unit),  # 0.1 %, scales the time of the path and, where configured, that of dwells
         ("time_override_valid", BoolUnit),
@@ -787,7 +787,7 @@ class ChannelStatus(c.Structure):
 
     _fields_ = [
         ("command_feed_r", c.c_int32),  # 1 µm/s; 2147483647: rapid
-        ("active_feed_r", c.c_int32),
+        ("active_feed_r", c.c_int32),  # below 0: a feed of the PLC drives the path backward
         ("active_override_r", c.c_uint32),
         ("covered_distance_r", c.c_uint32),  # 0.1 % of the block
         ("path_position_r", c.c_double),  # 0.1 µm since program start

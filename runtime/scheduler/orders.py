@@ -70,7 +70,7 @@ class Orders:
         inputs = self.inputs
         inputs.override = self._override.take(commands.override)
         self._sample_rapid(commands.rapid_override)
-        inputs.external_feed = commands.external_feed
+        inputs.external_feed, inputs.feeds_backward = commands.external_feed, commands.feeds_backward
         inputs.time_override = commands.time_override
         inputs.feed_hold = commands.feed_hold or self._hold
         inputs.single_block = commands.single_block

@@ -167,7 +167,7 @@ class Publisher:
         channel, path, image = self._channel, self._channel.interpolator, self._image
         active, stop = channel.active, channel.stop_condition
         status = self._status
-        status.active_feed_r = int(path.path_velocity * SPEED)
+        status.active_feed_r = int(channel.shown_feed * SPEED)
         status.active_override_r = int(override * 1000.0 + 0.5)
         status.path_position_r = path.path_position * LENGTH
         status.covered_distance_r = int(path.covered * 1000.0)

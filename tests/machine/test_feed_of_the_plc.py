@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from runtime.config.machine import Machine
-from runtime.hli.layout import StopCondition
+from runtime.hli.layout import PathWay, StopCondition
 from tests.machine.driven import Driven
 from tests.machine.test_operator_influence import ideal, settled_speed, with_parameters
 
@@ -47,7 +47,9 @@ def test_a_feed_of_the_plc_takes_the_place_of_the_programmed_one(demo: Machine, 
 
 
 @EXTERNAL
-def test_a_feed_of_nothing_or_less_holds_the_path_and_tells_why(demo: Machine, tmp_path: Path) -> None:
+def test_a_feed_of_nothing_or_less_holds_a_path_that_cannot_go_back_and_tells_why(
+    demo: Machine, tmp_path: Path
+) -> None:
     driven = ideal(demo, tmp_path)
     driven.start(FEED)
     settled_speed(driven)
@@ -55,9 +57,35 @@ def test_a_feed_of_nothing_or_less_holds_the_path_and_tells_why(demo: Machine, t
         command(driven, speed)
         assert settled_speed(driven) == 0.0
         assert driven.channel.stop_condition & StopCondition.OVERRIDE_ZERO
-        assert driven.hli.channels[0].control.ext_command_speed.state_r == 0
+        assert driven.hli.channels[0].control.ext_command_speed.state_r == round(speed / 60.0 * 1000.0)
         command(driven, 1500)
         assert settled_speed(driven) == pytest.approx(1500, rel=1e-3)
+
+
+@pytest.mark.spec("chan.plc-feed", "hli.ch.cu.external-feed")
+def test_a_feed_below_nothing_drives_the_path_backward(demo: Machine, tmp_path: Path) -> None:
+    channel = demo.channels[0].model_copy(update={"backward_storage": 100})
+    driven = ideal(demo.model_copy(update={"channels": (channel,)}), tmp_path)
+    status = driven.hli.channels[0].status
+    driven.start("%F\nG01 F3000 X30\nX60 Y30\nX600\nM30\n")
+    driven.until_x(80.0)
+    command(driven, -1200)
+    driven.until(lambda: driven.channel.path_way == PathWay.BACKWARD)
+    assert settled_speed(driven) == pytest.approx(1200, rel=1e-3)
+    assert status.active_feed_r == pytest.approx(-20_000, rel=1e-3), "its sign shows"
+    driven.operator.override_w = 500
+    assert settled_speed(driven) == pytest.approx(600, rel=1e-3)
+    command(driven, 1500)
+    driven.until(lambda: driven.channel.path_way in (PathWay.REPEATING, PathWay.ONWARD))
+    assert settled_speed(driven) == pytest.approx(750, rel=1e-3)
+    assert status.active_feed_r == pytest.approx(12_500, rel=1e-3)
+    command(driven, -6000)
+    driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.BACKWARD_END))
+    assert driven.image.target_position[:2].tolist() == pytest.approx([0.0, 0.0], abs=1e-9)
+    withdraw(driven)
+    driven.until_done()
+    assert driven.image.target_position[:2].tolist() == [600.0, 30.0]
+    assert driven.errors == []
 
 
 @EXTERNAL
