@@ -46,6 +46,8 @@ from runtime.diagnostics.catalogue import technology
 
 _FIRST = (Group.PLANE, Group.UNIT, Group.DIMENSION, Group.FEED_MODE)  # they say how the arguments of others count
 
+_END_WHAT_IS_ABSENT = (52, 137)  # diameter programming, feed-forward of the path axes
+
 
 def _comes_later(call: GCall) -> bool:
     return G_FUNCTIONS[call.number].syntax.group not in _FIRST
@@ -66,6 +68,8 @@ class WordBlocks:
         begin_with_tools(self._x)
         restore(self._x)
         for number in self._x.setup.start_g:
+            if number in _END_WHAT_IS_ABSENT and number not in G_FUNCTIONS:
+                continue
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
             G_FUNCTIONS[number].handler(self._x, GCall(number, 1))

@@ -161,7 +161,7 @@ class Execution:
         self.block_number = 0  # last N
         self.job_ids: set[int] = set()  # of axis jobs, programmed so far
         self.block_waits_for_jobs = False
-        self.spindles = Spindles(setup.spindles, setup.main_spindle, setup.main_name)
+        self.spindles = Spindles(setup.spindles, setup.main_spindle, setup.main_name, setup.start_m)
         self.speed_argument = 0  # G function of the block in work whose argument S is, 0 if it is a speed
         self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R

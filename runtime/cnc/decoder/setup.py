@@ -189,6 +189,7 @@ class DecoderSetup:
     tools: ToolSetup = field(default_factory=ToolSetup)
     program_paths: tuple[Path, ...] = ()
     message_paths: tuple[Path, ...] = ()  # where #MSG SAVE writes, the first one counts
+    start_m: int = 5  # M3, M4 or M5 that is modal for the main spindle from program start on (prog_start.m_gruppe)
     start_g: tuple[int, ...] = ()  # G functions that hold from program start on (prog_start.g_gruppe)
     feed: float = 0.0
     centre_shift: float = CENTRE_SHIFT
@@ -299,6 +300,7 @@ class DecoderSetup:
             message_paths=tuple(Path(folder) for folder in described.folders(PathKind.MESSAGES)),
             feed=parameters.prog_start.feedrate,
             feed_factor=parameters.prog_start.feed_unit,
+            start_m=parameters.prog_start.spindle_m,
             start_g=tuple(parameters.prog_start.g_functions.values()),
             centre_shift=parameters.centre_shift,
             centre_shift_share=parameters.centre_shift_share,
@@ -342,10 +344,9 @@ class DecoderSetup:
                 cycle_memory=CYCLE_MEMORY + parameters.configuration.decoder.var_memory,
             ),
             rules=Rules(
-                labels=max(
-                    parameters.configuration.decoder.string_label_number,
-                    parameters.configuration.decoder.expression_label_number,
-                )
+                labels=parameters.configuration.decoder.expression_label_number,
+                names=parameters.configuration.decoder.string_label_number,
+                local_programs=parameters.configuration.decoder.max_local_subroutine_definitions,
             ),
             hide_cycles=bool(parameters.suppress_cycle_logging),
             other_axes=tuple(

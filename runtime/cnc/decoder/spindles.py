@@ -64,12 +64,14 @@ class SpindleWords:
 class Spindles:
     """The spindles of one program run. Every program begins with the configured main spindle."""
 
-    def __init__(self, setups: tuple[SpindleSetup, ...], main: int, main_name: str) -> None:
+    def __init__(self, setups: tuple[SpindleSetup, ...], main: int, main_name: str, start_m: int = STOPPED) -> None:
         self._setups = setups
         self._configured = main
         self._main_name = main_name
         self.main = main
         self.programmed = [ProgrammedSpindle() for _ in setups]
+        if start_m in TURNING and setups:  # as behind an M19: it turns with the next speed
+            self.main_programmed.command, self.main_programmed.positioned = start_m, True
 
     @property
     def main_programmed(self) -> ProgrammedSpindle:

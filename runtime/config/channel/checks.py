@@ -25,6 +25,11 @@ START_G_FUNCTIONS: Mapping[int, tuple[int, ...]] = {
     25: (164, 165),
     32: (140, 141),
 }
+START_M_FUNCTIONS: Mapping[int, tuple[int, ...]] = {0: (3, 4, 5)}
+_START_TABLES: Mapping[Key, Mapping[int, tuple[int, ...]]] = {
+    ("prog_start", "g_gruppe"): START_G_FUNCTIONS,
+    ("prog_start", "m_gruppe"): START_M_FUNCTIONS,
+}
 _Values = Mapping[Key, Value]
 
 
@@ -98,8 +103,8 @@ def _other(key: Key, value: object, what: str, other: object) -> Contradiction:
 
 def _start_functions(values: _Values) -> Iterator[Contradiction]:
     for key, value in values.items():
-        if key[:2] == ("prog_start", "g_gruppe") and value != -1:
-            allowed = START_G_FUNCTIONS.get(int(key[2]), ())
+        if key[:2] in _START_TABLES and value != -1:
+            allowed = _START_TABLES[key[:2]].get(int(key[2]), ())
             if value not in allowed:
                 possible = ", ".join(map(str, (-1, *allowed)))
                 about = {"key": key_text(key), "given": value, "suggestion": "", "allowed": possible}

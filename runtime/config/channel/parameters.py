@@ -69,10 +69,13 @@ class ChannelFlush(Model):
     d_cmd: str = "D"  # P-CHAN-00271: D, or FAW_D for #FLUSH WAIT before a D word
 
 
-class StartFunction(Model):
-    """`prog_start.g_gruppe[i]`."""
+_SPINDLE_STANDS = 5  # M5
 
-    nr: int = -1  # P-CHAN-00063; -1: the built-in one
+
+class StartFunction(Model):
+    """`prog_start.g_gruppe[i]` and `prog_start.m_gruppe[i]`."""
+
+    nr: int = -1  # P-CHAN-00063, P-CHAN-00064; -1: the built-in one
 
 
 class ForwardBackward(Model):
@@ -123,6 +126,7 @@ class ProgramStart(Model):
     feedrate: float = 0.0  # P-CHAN-00099, feed before the first F word; 0: the program has to give one
     feedrate_factor: float = 100.0  # P-CHAN-00108, unit of F: 100 is mm/min, 0.1 is m/min
     g_gruppe: dict[int, StartFunction] = Field(default_factory=dict)
+    m_gruppe: dict[int, StartFunction] = Field(default_factory=dict)
     late_sync_ready: bool = False  # P-CHAN-00033, the end of a program waits for late functions
     slope: SlopeAtStart = SlopeAtStart()
 
@@ -130,6 +134,12 @@ class ProgramStart(Model):
     def g_functions(self) -> dict[int, int]:
         """G group → number of the function that is active at program start, where one is chosen."""
         return {group: function.nr for group, function in self.g_gruppe.items() if function.nr != -1}
+
+    @property
+    def spindle_m(self) -> int:
+        """M3, M4 or M5 of the main spindle at program start."""
+        chosen = self.m_gruppe.get(0, StartFunction()).nr
+        return _SPINDLE_STANDS if chosen == -1 else chosen
 
     @property
     def feed_unit(self) -> float:
@@ -177,8 +187,6 @@ class DecoderConfiguration(Model):
     """`configuration.decoder.*`: limits and message receivers; sizes in bytes."""
 
     var_memory: int = 0  # P-CHAN-00418, for V.CYC on top of 8000
-    v_ch_memory: int = 0  # P-CHAN-00424, for V.CH
-    cycle_stack_add_var_count: int = 0  # P-CHAN-00488, @P parameters on top of the usual ones
     max_number_of_tools: int = -1  # P-CHAN-00419; -1 stands for 200
     max_local_subroutine_definitions: int = 50  # P-CHAN-00505
     macro_number: int = 100  # P-CHAN-00509, of the list and of programs together
@@ -263,7 +271,6 @@ class ChannelParameters(Model):
     prog_start: ProgramStart = ProgramStart()
     einzelstschrittmodus: int = 0  # P-CHAN-00015, blocks without motion that are steps: -1 none, 0 of functions, 1 all
     forward_backward: ForwardBackward = ForwardBackward()
-    no_init_prog_start: bool = False  # P-CHAN-00347
     p_param_haltend: bool = False  # P-CHAN-00067, P parameters outlive the program
     # motion words
     multi_dimension_in_block: bool = False  # P-CHAN-00116, G90 and G91 in one block

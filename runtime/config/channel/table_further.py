@@ -90,7 +90,7 @@ ROWS = (
     P(345, "enable_time_based_lift", "BOOLEAN", "", False, 7043, "1 = axis lift planned by time instead of path"),
     P(346, "enable_mod_axis_always_shortest_way", "BOOLEAN", "", False, 7486,
       "1 = modulo axes always take the shortest way, sign not needed", use=Use.USED),
-    P(347, "no_init_prog_start", "BOOLEAN", "", False, 8109, "1 = program start keeps all modal settings", use=Use.USED),
+    P(347, "no_init_prog_start", "BOOLEAN", "", False, 8109, "1 = program start keeps all modal settings"),
     P(359, "plcopen_implicit_sync", "BOOLEAN", "", False, 8377,
       "1 = each PLCopen axis job is awaited before the next line", use=Use.USED),
     P(360, "enable_unit_feet_cut_speed", "BOOLEAN", "", False, 8364,

@@ -25,7 +25,7 @@ ROWS = (
     P(63, "prog_start.g_gruppe[i].nr", "SGN16", "-1..MAX", -1, 5121,
       "G function active per G group at program start; -1 built-in default", index=((0, 37),), use=Use.USED),
     P(64, "prog_start.m_gruppe[i].nr", "SGN16", "-1..MAX", -1, 5155,
-      "Spindle M function active at program start; -1 built-in default", index=((0, 1),)),
+      "Spindle M function active at program start; -1 built-in default", index=((0, 1),), use=Use.USED),
     P(71, "prog_start.slope.profile", "SGN16",
       "0..3", None, 5172, "Acceleration profile type at program start", use=Use.USED),
     P(73, "prog_start.slope.ramp_time", "SGN16", "0..4", 0, 5183,

@@ -802,6 +802,11 @@ NAMES_FULL = ErrorEntry(
     Reaction.NONE,
     source="P-ERR-20831",
 )
+LOCAL_PROGRAMS_MANY = ErrorEntry(
+    306310,
+    "%L {name}: a file may define at most {limit} local subprograms",
+    remedy="put it into a file of its own, or raise configuration.decoder.max_local_subroutine_definitions (P-CHAN-00505)",
+)
 LABEL_LENGTH = ErrorEntry(300160, "label [{name}] is longer than {limit} characters")
 NAME_CHARACTER = ErrorEntry(
     300161,

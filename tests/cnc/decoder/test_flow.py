@@ -527,7 +527,7 @@ def test_computed_targets() -> None:
 
 @pytest.mark.spec("isg.flow.goto-label-store")
 def test_labels_beyond_the_table_are_searched_with_a_warning() -> None:
-    setup = replace(SETUP, rules=Rules(labels=2))
+    setup = replace(SETUP, rules=Rules(labels=2, names=2))
     for labels, entry in ((["N10:", "N20:", "N30:"], C.LABELS_FULL), (["[A]", "[B]", "[C]"], C.NAMES_FULL)):
         jump = labels[2].rstrip(":")
         text = (

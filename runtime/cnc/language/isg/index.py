@@ -98,11 +98,13 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """What a channel may choose: whether #COMMENT blocks nest (programming manual line 12395), how many labels of a file are
-    stored and how long a name may be (lines 8571–8576)."""
+    """What a channel may choose: whether #COMMENT blocks nest (programming manual line 12395), how many expression and string
+    labels of a file are stored and how long a name may be (lines 8571–8576), how many local subprograms a file may define."""
 
     nested_comments: bool = True
     labels: int = 20_000
+    names: int = 20_000
+    local_programs: int = 20_000
     label_length: int = 83
 
 
@@ -256,7 +258,7 @@ class Unit:
         """The entry of a string label (upper case), -1 if the section has none."""
         while name not in section.names and section.end < 0:
             self.grow()
-        if name not in section.names and len(section.names) >= self.rules.labels:
+        if name not in section.names and len(section.names) >= self.rules.names:
             return self._searched(section, lambda text: _label_name(text) == name)
         return section.names.get(name, -1)
 
@@ -429,7 +431,7 @@ class Unit:
                 if len(section.numbers) < self.rules.labels:
                     section.numbers[number] = entry
                 else:
-                    self._note(catalogue.LABELS_FULL, entry, line, text)
+                    self._note(catalogue.LABELS_FULL, entry, line, text, self.rules.labels)
         if "[" in text:
             name = _label_name(text)
             if name is not None and len(name) > self.rules.label_length:
@@ -437,10 +439,10 @@ class Unit:
                     catalogue.LABEL_LENGTH, line, text.find("[") + 1, text, name=name, limit=self.rules.label_length
                 )
             elif name is not None and name not in section.names:
-                if len(section.names) < self.rules.labels:
+                if len(section.names) < self.rules.names:
                     section.names[name] = entry
                 else:
-                    self._note(catalogue.NAMES_FULL, entry, line, text)
+                    self._note(catalogue.NAMES_FULL, entry, line, text, self.rules.names)
         if "$" not in text:
             return
         matches = [m for m in _CONTROL.finditer(text) if text.count('"', 0, m.start()) % 2 == 0]
@@ -451,11 +453,11 @@ class Unit:
             return  # told by the parser
         self._control(entry, _CONTROLS[words[0]], line, matches[0].start() + 1, text)
 
-    def _note(self, what: ErrorEntry, entry: int, line: int, text: str) -> None:
+    def _note(self, what: ErrorEntry, entry: int, line: int, text: str, limit: int) -> None:
         """A warning, the same one once per file."""
         if what not in self._noted:
             self._noted.add(what)
-            self.notes.append(Fault(what, line, 1, text, {"limit": self.rules.labels}))
+            self.notes.append(Fault(what, line, 1, text, {"limit": limit}))
 
     def _control(self, entry: int, control: Control, line: int, column: int, text: str) -> None:
         """Link a control statement with those of its structure."""
@@ -534,6 +536,8 @@ class Unit:
         elif local and name in self.local_programs:
             first = self.local_programs[name].line
             problem = catalogue.LOCAL_TWICE, column, {"name": name, "first": first}
+        elif local and len(self.local_programs) >= self.rules.local_programs:
+            problem = catalogue.LOCAL_PROGRAMS_MANY, column, {"name": name, "limit": self.rules.local_programs}
         if problem is not None:
             entry, at, values = problem
             if not self._sections:
