@@ -428,6 +428,8 @@ class Channel:
 
     def _travel(self) -> Travel:
         """How functions count where the path is driven again, or in simulated motion."""
+        if not self.backward.replaying:
+            return Travel.SIMULATED
         return Travel.BACKWARD if self.backward.backward else Travel.SIMULATED_FORWARD
 
     def _place_of(self, index: int) -> float:

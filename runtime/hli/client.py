@@ -10,7 +10,7 @@ from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.errors import HliError
 from runtime.hli.layout import Hli, Mode, State, StopCondition
-from runtime.hli.memory import HliMemory
+from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.units import FACTORS
 
 Plain = dict[str, "Plain"] | list["Plain"] | str | float | int | bool
@@ -24,7 +24,9 @@ def to_plain(value: Any, factor: float | None = None) -> Plain:
     """
     if isinstance(value, c.Structure):
         return {
-            name: to_plain(getattr(value, name), FACTORS.get(name, None if of is c.c_bool else factor))
+            name: get_text(value, name)
+            if isinstance(getattr(value, name), bytes)
+            else to_plain(getattr(value, name), FACTORS.get(name, None if of is c.c_bool else factor))
             for name, of, *_ in value._fields_
         }
     if isinstance(value, c.Array):

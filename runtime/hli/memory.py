@@ -47,6 +47,9 @@ def layout_hash() -> str:
     return hashlib.sha256(describe_layout(Hli).encode()).hexdigest()
 
 
+_READS = 5  # until a text counts as it is
+
+
 def put_text(structure: c.Structure, element: str, text: str) -> None:
     """Write text into a fixed-size element as UTF-8, cut at a character's border, always with an end mark."""
     size = getattr(type(structure), element).size
@@ -54,8 +57,14 @@ def put_text(structure: c.Structure, element: str, text: str) -> None:
 
 
 def get_text(structure: c.Structure, element: str) -> str:
-    """Read a text element."""
-    return bytes(getattr(structure, element)).decode("utf-8", "replace")
+    """Read a text element. No flag guards those of the status: one that changes meanwhile is read again."""
+    text: bytes = getattr(structure, element)
+    for _ in range(_READS):
+        again: bytes = getattr(structure, element)
+        if again == text:
+            break
+        text = again
+    return text.decode("utf-8", "replace")
 
 
 class HliMemory:

@@ -369,7 +369,7 @@ def test_a_section_in_which_the_path_turns_is_driven(demo: Machine, tmp_path: Pa
     assert driven.alarms == []
 
 
-@pytest.mark.spec("isg.add.optional-execution")
+@pytest.mark.spec("isg.add.optional-execution", "hli.ch.cu.simulate-motion")
 @pytest.mark.parametrize(
     ("which", "simulated", "mask", "left_out"),
     [
@@ -397,7 +397,44 @@ def test_a_section_is_left_out_in_simulated_motion(
     limits_kept(driven)
 
 
-@pytest.mark.spec("isg.add.optional-execution")
+@pytest.mark.spec("hli.ch.cu.simulate-motion", "chan.mh.bwd-fwd-sync")
+def test_functions_in_simulated_motion(demo: Machine, tmp_path: Path) -> None:
+    """Nobody acknowledges, and the path goes on all the same, but for the function with FWD_SYNCH."""
+    synch = {**demo.channels[0].parameters.m_synch, 51: "MVS_SVS", 52: "MVS_SNS|FWD_SYNCH", 53: "MNS_SNS"}
+    text = "%F\nN10 G90 G01 F6000 X20\nN20 M51\nN30 X40 M53\nN40 X60 M52\nN50 X80 S500 M3\nN60 M30\n"
+    driven = make(with_channel(demo, m_synch=synch), tmp_path, m51=None, m52=0.5, m53=None)
+    driven.operator.simulate_motion_w = True
+    driven.start(text)
+    driven.until_x(59.9)
+    outs = [event for event in driven.simulation.log if event.kind is EventKind.M_OUT]
+    assert [(event.number, round(event.path_pos, 1)) for event in outs] == [(51, 20.0), (53, 40.0), (52, 40.0)]
+    driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.WAIT_TECHNOLOGY))
+    assert place(driven)[0] == pytest.approx(60.0), "with FWD_SYNCH its type counts"
+    driven.until_done()
+    assert place(driven)[0] == 80.0
+    assert driven.channel.spindles[0].set_point > 0.0, "what comes behind goes on with the spindle turning"
+    assert driven.alarms == []
+    limits_kept(driven)
+
+
+@pytest.mark.spec("hli.ch.cu.simulate-motion")
+def test_simulated_motion_is_switched_on_while_a_function_is_owed(demo: Machine, tmp_path: Path) -> None:
+    """What was put out with its own type is waited for; what comes then is not."""
+    driven = make(demo, tmp_path, m20=None)
+    driven.start("%F\nN10 G90 G01 F6000 X20\nN20 M20\nN30 X40\nN40 M20\nN50 X60\nN60 M30\n")
+    driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.WAIT_TECHNOLOGY))
+    driven.operator.simulate_motion_w = True
+    driven.watch(200)
+    assert place(driven)[0] == pytest.approx(20.0)
+    assert driven.channel.stop_condition & StopCondition.WAIT_TECHNOLOGY
+    driven.reset()
+    driven.until_done()
+    driven.start("%G\nN10 G90 G01 F6000 X20\nN20 M20\nN30 X40\nN40 M20\nN50 X60\nN60 M30\n")
+    driven.until_done()
+    assert place(driven)[0] == 60.0
+
+
+@pytest.mark.spec("isg.add.optional-execution", "hli.ch.cu.simulate-motion")
 def test_a_section_that_waits_for_the_machine_is_not_left_out(demo: Machine, tmp_path: Path) -> None:
     driven = make(demo, tmp_path)
     driven.operator.simulate_motion_w = True
