@@ -112,7 +112,7 @@ def test_a_blocked_direction_holds_the_path_and_leaves_the_other_way_free(driven
 # ---------------------------------------------------------------------------------------------------- read disable
 
 
-@pytest.mark.spec("hli.ch.cu.read-disable")
+@pytest.mark.spec("hli.ch.cu.read-disable", "chan.plc.input-disable")
 def test_read_disable_stops_at_once_and_motion_goes_on_when_it_is_taken_back(driven: Driven) -> None:
     unit = driven.hli.channels[0].control.read_disable
     driven.start(LEGS)
@@ -132,7 +132,7 @@ def test_read_disable_stops_at_once_and_motion_goes_on_when_it_is_taken_back(dri
     assert driven.errors == []
 
 
-@pytest.mark.spec("hli.ch.cu.read-disable")
+@pytest.mark.spec("hli.ch.cu.read-disable", "chan.plc.input-disable")
 @pytest.mark.parametrize(
     ("condition", "stop"), [("NEXT_RAPID_BLOCK", (60.0, 0.0)), ("NEXT_NON_RAPID_BLOCK", (60.0, 50.0))]
 )
@@ -141,7 +141,7 @@ def test_read_disable_waits_for_the_kind_of_block_that_is_configured(
 ) -> None:
     driven = make(with_channel(demo, hli_input_disable_condition=condition), tmp_path)
     unit = driven.hli.channels[0].control.read_disable
-    driven.start("%R\nN10 G90 G01 F6000 X60\nN20 G00 Y50 M8\nN30 G01 X80\nN40 M30\n")
+    driven.start("%R\nN10 G90 G01 F6000 X60\nN20 G00 Y50 M8 S500 M3\nN30 G01 X80\nN40 M30\n")
     driven.until_x(20.0)
     claim(unit, True)
     stops(driven, StopCondition.READ_DISABLE)
@@ -149,6 +149,8 @@ def test_read_disable_waits_for_the_kind_of_block_that_is_configured(
     plc = driven.simulation.plc
     assert isinstance(plc, ScriptedPlc)
     assert (1, 8) in plc.taken, "functions of the block are put out"
+    if condition == "NEXT_RAPID_BLOCK":
+        assert driven.channel.spindles[0].set_point > 0.0, "those of its spindle too"
     claim(unit, False)
     driven.until_done()
     assert place(driven) == 80.0

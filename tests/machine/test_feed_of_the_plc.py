@@ -67,7 +67,7 @@ def test_a_feed_below_nothing_drives_the_path_backward(demo: Machine, tmp_path: 
     channel = demo.channels[0].model_copy(update={"backward_storage": 100})
     driven = ideal(demo.model_copy(update={"channels": (channel,)}), tmp_path)
     status = driven.hli.channels[0].status
-    driven.start("%F\nG01 F3000 X30\nX60 Y30\nX600\nM30\n")
+    driven.start("%F\nG01 F3000 X30\nX60 Y30\nX200\nM30\n")
     driven.until_x(80.0)
     command(driven, -1200)
     driven.until(lambda: driven.channel.path_way == PathWay.BACKWARD)
@@ -83,8 +83,9 @@ def test_a_feed_below_nothing_drives_the_path_backward(demo: Machine, tmp_path: 
     driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.BACKWARD_END))
     assert driven.image.target_position[:2].tolist() == pytest.approx([0.0, 0.0], abs=1e-9)
     withdraw(driven)
+    driven.operator.override_w = 1000
     driven.until_done()
-    assert driven.image.target_position[:2].tolist() == [600.0, 30.0]
+    assert driven.image.target_position[:2].tolist() == [200.0, 30.0]
     assert driven.errors == []
 
 
