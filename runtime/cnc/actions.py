@@ -23,6 +23,7 @@ from runtime.hli.timers import Timers
 _RECEIVERS = tuple(Receiver)
 _COMMANDS = tuple(TimerCommand)
 _PLC = _RECEIVERS.index(Receiver.PLC)
+_OPERATOR = _RECEIVERS.index(Receiver.HMI)
 
 
 class Told(NamedTuple):
@@ -68,7 +69,7 @@ class Actions:
     # ------------------------------------------------------------------ the cycle
 
     def step(self) -> None:
-        """Once per cycle: take over what the decoder tells, hand messages to the PLC and look what it has taken."""
+        """Once per cycle: take over what decoder and PLC tell, hand messages to the PLC and look what it has taken."""
         while self._told.waiting and self._port.waiting < LIMIT:
             number, report = self._told.take()
             if report.kind is ReportKind.WARNING:
@@ -77,6 +78,9 @@ class Actions:
             if report.receiver == _PLC:
                 self._port.put(Waiting(report.text, report.information, number))
             self._on_message(Told(report.text, report.line, report.n, report.receiver, report.information))
+        received = self._port.received()
+        if received is not None:
+            self._on_message(Told(received[0], 0, None, _OPERATOR, received[1]))
         self.life.step()
         taken = self._port.poll()
         if taken:

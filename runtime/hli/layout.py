@@ -533,12 +533,19 @@ class MessageText(c.Structure):
 
 
 class MessageUnit(c.Structure):
-    """Messages for the PLC, one at a time: the CNC fills `request_r` and raises the flag, the PLC reads and lowers it.
+    """Messages for the PLC, one at a time: the CNC fills `request_r` and raises the flag, the PLC reads and lowers it. Those of
+    the PLC for whoever operates the channel go the other way with `command_w` and its flag.
 
     `sequence_r` counts the messages: a PLC that reads one while a reset withdraws it sees another number.
     """
 
-    _fields_ = [("request_r", MessageText), ("sequence_r", c.c_uint32), ("request_semaphor_rw", c.c_bool)]
+    _fields_ = [
+        ("request_r", MessageText),
+        ("sequence_r", c.c_uint32),
+        ("request_semaphor_rw", c.c_bool),
+        ("command_w", MessageText),
+        ("command_semaphor_rw", c.c_bool),
+    ]
 
 
 # --------------------------------------------------------------------------------------------- tool management

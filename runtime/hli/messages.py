@@ -5,7 +5,8 @@
                                                    taken        ◀──── reads, flag := 0
     poll: taken; the next one goes out     ◀─────
 
-What was not taken at a reset is withdrawn.
+What was not taken at a reset is withdrawn. The PLC's own messages, for whoever operates the channel, go back the same way: it
+fills `command_w` and raises the flag, the CNC tells them and lowers it.
 """
 
 from __future__ import annotations
@@ -75,6 +76,15 @@ class MessagePort:
                 self._out = True  # nobody is there to take it: as if it had been
         return last
 
+    def received(self) -> tuple[str, bool] | None:
+        """Once per cycle: a message of the PLC, and whether it is information for programs."""
+        unit = self._unit
+        if not unit.command_semaphor_rw:
+            return None
+        message = get_text(unit.command_w, "contents"), unit.command_w.typ == INFORMATION
+        unit.command_semaphor_rw = False
+        return message
+
     def _send(self, message: Waiting) -> None:
         self._sequence = (self._sequence + 1) & 0xFFFFFFFF
         self._unit.sequence_r = self._sequence
@@ -112,6 +122,16 @@ class MessageTaker:
         sequence = int(unit.sequence_r)
         message = Offered(get_text(unit.request_r, "contents"), unit.request_r.typ == INFORMATION, sequence)
         return message if unit.request_semaphor_rw and unit.sequence_r == sequence else None
+
+    def send(self, text: str, *, information: bool) -> bool:
+        """Tell the operator something; FALSE while the CNC has not taken the message before."""
+        unit = self._unit
+        if unit.command_semaphor_rw:
+            return False
+        put_text(unit.command_w, "contents", text)
+        unit.command_w.typ = INFORMATION if information else MESSAGE
+        unit.command_semaphor_rw = True
+        return True
 
     def take(self, message: Offered) -> None:
         """Acknowledge; without effect on another message than the one that was read."""

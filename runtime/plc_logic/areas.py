@@ -30,7 +30,7 @@ from runtime.hli.layout import (
     Uns32Unit,
 )
 from runtime.hli.memory import get_text, put_text
-from runtime.hli.messages import MessageTaker, Offered
+from runtime.hli.messages import LIMIT, MessageTaker, Offered
 from runtime.hli.modes import Wish
 from runtime.hli.tools import ToolStore
 from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED, to_int32
@@ -264,6 +264,7 @@ class ChannelPort(_Area):
         self._handwheels = channel.control.manual.handwheel_w
         self._activations: deque[tuple[int, int, int, int]] = deque(maxlen=MAX_AXES)
         self._messages = MessageTaker(channel)
+        self._told: deque[tuple[str, bool]] = deque()  # messages that the CNC has still to take
         self.tools = ToolStore(channel)  # for an external tool management: requests, answers, tool life
         self._waiting: Wish | None = None
         self.claims_orders = False  # TRUE: the operator's orders (start, stop) wait for allow_order or refuse_order
@@ -340,6 +341,16 @@ class ChannelPort(_Area):
         """The message of the NC program that waits for this program. After ten that nobody takes the path stops."""
         offered = self._messages.offered()
         return None if offered is None else NcMessage(self._messages, offered)
+
+    def tell(self, text: str, *, information: bool = False) -> bool:
+        """A message for whoever operates the channel, in journal and trace; `information`: it is no text for people.
+
+        They go out in their order, one per PLC cycle. FALSE: too many wait already, and this one does not.
+        """
+        if len(self._told) >= LIMIT:
+            return False
+        self._told.append((text, information))
+        return True
 
     # ------------------------------------------------------------------ status
 
@@ -418,6 +429,8 @@ class ChannelPort(_Area):
         self._delete.update()
         self.keys.update()
         self._update_activation()
+        if self._told and self._messages.send(self._told[0][0], information=self._told[0][1]):
+            self._told.popleft()
         modes = self._modes
         if modes.command_semaphor_rw:
             return  # not taken yet

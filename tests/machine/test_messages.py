@@ -13,6 +13,7 @@ from runtime.cnc.decoder.outside import Outside
 from runtime.config.machine import Machine
 from runtime.diagnostics.events import RECEIVERS, EventKind
 from runtime.hli.layout import StopCondition
+from runtime.plc_logic.areas import ChannelPort
 from tests.machine.scripted_blocks import Contour, MessagePlc, Script, Scripted, at, speeds_at
 
 
@@ -57,7 +58,7 @@ def test_a_message_of_decoding_time_comes_before_the_path_is_there(demo: Machine
     scripted.finish()
 
 
-@pytest.mark.spec("isg.add.msg", "isg.add.msg-info")
+@pytest.mark.spec("hli.mech.message", "isg.add.msg", "isg.add.msg-info")
 def test_the_plc_gets_them_in_order_one_at_a_time(demo: Machine) -> None:
     def script(contour: Contour, outside: Outside) -> Iterator[Block]:
         outside.tell(Message(at(1), "one", Receiver.PLC))
@@ -76,7 +77,7 @@ def test_the_plc_gets_them_in_order_one_at_a_time(demo: Machine) -> None:
     assert [event.value for event in scripted.events(EventKind.MESSAGE)] == [0.0, 1.0, 0.0, 0.0, 1.0]
 
 
-@pytest.mark.spec("isg.add.msg")
+@pytest.mark.spec("hli.mech.message", "isg.add.msg")
 def test_the_path_stops_after_ten_messages_that_nobody_takes(demo: Machine) -> None:
     def script(contour: Contour, outside: Outside) -> Iterator[Block]:
         for k in range(1, 15):
@@ -148,7 +149,7 @@ def test_a_decoder_that_tells_without_end_loses_nothing(demo: Machine) -> None:
 
 
 @pytest.mark.parametrize("receiver", list(Receiver))
-@pytest.mark.spec("isg.add.msg")
+@pytest.mark.spec("hli.mech.message", "isg.add.msg")
 def test_syn_ack_holds_the_path_until_its_receiver_has_taken_it(demo: Machine, receiver: Receiver) -> None:
     def script(contour: Contour, outside: Outside) -> Iterator[Block]:
         yield from contour.to(50.0, 1)
@@ -167,7 +168,7 @@ def test_syn_ack_holds_the_path_until_its_receiver_has_taken_it(demo: Machine, r
     assert scripted.texts == ["may I?"]
 
 
-@pytest.mark.spec("isg.add.msg")
+@pytest.mark.spec("hli.mech.message", "isg.add.msg")
 def test_ack_holds_the_decoder_until_the_plc_has_taken_it(demo: Machine) -> None:
     went_on: list[str] = []
 
@@ -228,6 +229,28 @@ def test_a_reset_withdraws_what_was_not_taken(demo: Machine) -> None:
     plc.takes = True
     scripted.run(0.1)
     assert plc.texts == []
+
+
+@pytest.mark.spec("hli.mech.message")
+def test_messages_of_the_plc_reach_the_operator_in_their_order(demo: Machine) -> None:
+    def script(contour: Contour, outside: Outside) -> Iterator[Block]:
+        yield from contour.to(50.0, 1)
+
+    scripted, _ = with_plc(demo, script)
+    port = ChannelPort(scripted.hli.channels[0])
+    assert all(port.tell(f"text {number}", information=number == 2) for number in range(10))
+    assert not port.tell("one too many")
+    for _ in range(10):
+        port.update()
+        assert scripted.hli.channels[0].msg_mc_control.command_semaphor_rw
+        port.update()  # the CNC has not taken it: nothing is written over
+        scripted.run(0.001)
+    told = [event for event in scripted.events(EventKind.MESSAGE) if event.text.startswith("text")]
+    assert [(event.text, event.value) for event in told] == [(f"text {n}", float(n == 2)) for n in range(10)]
+    assert {RECEIVERS[event.number] for event in told} == {"HMI"}
+    assert {event.line for event in told} == {0}
+    assert port.tell("there is room again")
+    scripted.finish()
 
 
 def test_trace_and_summary_have_the_messages(demo: Machine, tmp_path: Path) -> None:
