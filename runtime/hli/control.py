@@ -87,6 +87,39 @@ class OneShot:
         self._unit.request_r = False
 
 
+class ModeAgreement:
+    """The CNC asks the PLC before it changes the mode, and waits until it agrees. Who is not there, or has not claimed the unit,
+    has nothing against it."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._unit = channel.lc_mode
+        self._asked = False
+
+    def given(self, mode: int) -> bool:
+        """Whether the mode may change now; asks if nobody has asked yet."""
+        unit = self._unit
+        if not (self._channel.plc_present_w and unit.enable_w):
+            self.withdraw()
+            return True
+        if not self._asked:
+            self._asked = True
+            unit.mode_r = mode
+            unit.done_w = False
+            unit.please_rw = True
+            return False
+        if unit.please_rw or not unit.done_w:
+            return False
+        self._asked = False
+        return True
+
+    def withdraw(self) -> None:
+        """The mode is no longer wanted."""
+        if self._asked:
+            self._asked = False
+            self._unit.please_rw = False
+
+
 @dataclass(frozen=True, slots=True)
 class Order:
     """An order of the mode unit; `by_operator`: he waits for the answer; `asked`: it is his, also where the PLC hands it on."""

@@ -405,6 +405,12 @@ class LcUnit(c.Structure):
     _fields_ = [("please_rw", c.c_bool), ("done_w", c.c_bool)]
 
 
+class LcModeUnit(c.Structure):
+    """The CNC asks the PLC whether it may change to `mode_r` (Mode): as LcUnit, where `enable_w` is TRUE."""
+
+    _fields_ = [("mode_r", c.c_uint32), ("please_rw", c.c_bool), ("done_w", c.c_bool), ("enable_w", c.c_bool)]
+
+
 class SearchOrder(c.Structure):
     """Where a program is entered that is started next, and how the axes get there.
 
@@ -844,6 +850,7 @@ class Channel(c.Structure):
         ("control", ChannelControl),
         ("status", ChannelStatus),
         ("lc_reset", LcUnit),  # the PLC forgets the technology functions of this area
+        ("lc_mode", LcModeUnit),
         ("used_units_std_sync_r", c.c_uint16),
         ("techno_unit_std_sync", TechnologyUnit * TECHNO_UNITS),
         ("used_units_late_sync_r", c.c_uint16),

@@ -267,6 +267,7 @@ class ChannelPort(_Area):
         self._told: deque[tuple[str, bool]] = deque()  # messages that the CNC has still to take
         self.tools = ToolStore(channel)  # for an external tool management: requests, answers, tool life
         self._waiting: Wish | None = None
+        self.claims_modes = False  # TRUE: the mode changes only after agree_mode()
         self.claims_orders = False  # TRUE: the operator's orders (start, stop) wait for allow_order or refuse_order
         self.operator = OperatorWishes(channel.control)
         self.name = get_text(channel, "name_r")
@@ -324,6 +325,19 @@ class ChannelPort(_Area):
     def refuse_order(self) -> None:
         """Forget the operator's order."""
         self._modes.request_semaphor_rw = False
+
+    @property
+    def wanted_mode(self) -> Mode | None:
+        """The mode that waits for agree_mode(); needs `claims_modes`. A reset takes the question back."""
+        unit = self._channel.lc_mode
+        return Mode(unit.mode_r) if self.claims_modes and unit.please_rw else None
+
+    def agree_mode(self) -> None:
+        """The mode may change."""
+        unit = self._channel.lc_mode
+        if unit.please_rw:
+            unit.done_w = True
+            unit.please_rw = False
 
     def reset(self) -> None:
         """Stop, end the program, clear errors, drop the technology functions that wait."""
@@ -428,6 +442,7 @@ class ChannelPort(_Area):
         self._continue.update()
         self._delete.update()
         self.keys.update()
+        self._channel.lc_mode.enable_w = self.claims_modes
         self._update_activation()
         if self._told and self._messages.send(self._told[0][0], information=self._told[0][1]):
             self._told.popleft()

@@ -397,6 +397,8 @@ def _give_back(area: Channel | Axis) -> None:
         else:
             unit.command_w = type(unit.command_w)(0)
         unit.enable_w = False
+    if isinstance(area, Channel):
+        area.lc_mode.enable_w = False
     if isinstance(area, Axis):
         area.job.command_semaphor_rw = False
         area.job.stop_hold_w = False

@@ -8,8 +8,9 @@ import numpy.typing as npt
 from runtime.cnc.channel import Channel
 from runtime.cnc.channel_inputs import ChannelInputs
 from runtime.config.machine import Machine
+from runtime.diagnostics.catalogue import plc as catalogue
 from runtime.diagnostics.errors import Problem
-from runtime.hli.control import AxisCommands, ChannelCommands
+from runtime.hli.control import AxisCommands, ChannelCommands, ModeAgreement
 from runtime.hli.layout import Hli, Mode, SearchOrder, State
 from runtime.hli.manual import ManualCommands
 from runtime.hli.modes import Action, Refusal, Wish, Work, next_step, work_of
@@ -43,11 +44,12 @@ class Orders:
         self.mode_changed = False
         self.start_work: Work | None = None  # in this cycle
         self.abort_ordered = False  # in this cycle
-        self._reset_ordered = False
+        self._reset_ordered = self._reset_taken = False
         self._hold = False  # by the mode unit
         self._program = ""  # loaded
         self._wish: Wish | None = None
         self._asked = True  # by the operator
+        self._agreement = ModeAgreement(hli.channels[0])
 
     def sample(self, time: float) -> None:
         """Start of the cycle at `time` (s): read every control unit; `drives_on` (n_axes,) tells which drives shall be on."""
@@ -149,7 +151,7 @@ class Orders:
 
     def take_reset(self) -> bool:
         """A reset is ordered in this cycle, by the channel's unit, an axis' unit or the mode unit."""
-        ordered = self._channel_commands.reset or self._reset_ordered
+        ordered = self._reset_taken = self._channel_commands.reset or self._reset_ordered
         self._reset_ordered = False
         return ordered
 
@@ -161,7 +163,7 @@ class Orders:
         self.abort_ordered = False
         before = (self.mode, self.state)
         self._follow(channel)
-        refused = self._take_order()
+        refused = self._given_up() or self._take_order()
         self._unit.mode_r = self.mode
         self._unit.state_r = self.state
         self.mode_changed = (self.mode, self.state) != before
@@ -196,8 +198,12 @@ class Orders:
                 if self._wish.to_state == State.ACTIVE:
                     self._channel_commands.search.start_refused()
                 self._wish = None
+                self._agreement.withdraw()
                 modes.answer(step.problem)
                 return step.problem
+            if step.action is Action.SELECT and not self._agreement.given(step.mode):
+                modes.answer()  # it is the PLC's turn; the order stands until it agrees
+                return None
             self._carry_out(step.action, step.parameter)
             self.mode, self.state = step.mode, step.state
             if step.rest is None:
@@ -206,6 +212,16 @@ class Orders:
         self._wish = None
         modes.answer()
         return None
+
+    def _given_up(self) -> Problem | None:
+        """A reset withdraws an order that waits for the PLC."""
+        if not self._reset_taken or self._wish is None:
+            return None
+        problem = Problem(catalogue.MODE_NOT_AGREED, {"mode": Mode(self._wish.to_mode).name})
+        self._wish = None
+        self._agreement.withdraw()
+        self._channel_commands.modes.answer(problem)
+        return problem
 
     def _carry_out(self, action: Action, parameter: str) -> None:
         if action is Action.LOAD:

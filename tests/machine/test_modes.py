@@ -11,6 +11,7 @@ from runtime.config.machine import HomingSetup, Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.catalogue import plc
 from runtime.hli.layout import Activation, JogParameter, KeyPress, ManualMode, ManualState, Mode, State, StopCondition
+from runtime.plc_logic.areas import ChannelPort
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
 
@@ -143,6 +144,76 @@ def test_mdi_is_loaded_held_resumed_and_aborted(driven: Driven) -> None:
     assert driven.state() is State.SELECTED
     assert 100.0 < place(driven) < 300.0
     driven.assert_no_jump()
+
+
+@pytest.mark.spec("hli.mech.lc-control-unit")
+def test_the_plc_agrees_to_a_change_of_the_mode(driven: Driven) -> None:
+    area = driven.hli.channels[0]
+    port = ChannelPort(area)
+    port.claims_modes = True
+    port.update()
+    driven.simulation.order(Mode.MDI, State.ACTIVE, "G90 G01 F6000 X60")
+    driven.watch(50)
+    assert not driven.operator.order_semaphor_rw, "taken; it is the PLC's turn"
+    assert port.wanted_mode is Mode.MDI
+    assert (driven.mode, driven.channel.active) == (Mode.STANDBY, False)
+    port.agree_mode()
+    assert port.wanted_mode is None
+    driven.watch(2)
+    assert (driven.mode, driven.channel.active) == (Mode.MDI, True)
+    driven.until_done()
+    assert place(driven) == 60.0
+    driven.simulation.order(Mode.MDI, State.ACTIVE, "G90 G01 F6000 X50")  # the mode stays: nobody is asked
+    driven.watch(2)
+    assert driven.channel.active
+    driven.until_done()
+    assert driven.errors == []
+
+
+@pytest.mark.spec("hli.mech.lc-control-unit")
+def test_a_reset_takes_the_question_back_and_a_plc_that_goes_answers_itself(driven: Driven) -> None:
+    area = driven.hli.channels[0]
+    port = ChannelPort(area)
+    port.claims_modes = True
+    port.update()
+    driven.simulation.order(Mode.MDI, State.ACTIVE, "G90 G01 F6000 X60")
+    driven.watch(5)
+    driven.reset()
+    assert port.wanted_mode is None
+    assert driven.alarm(plc.MODE_NOT_AGREED)
+    port.agree_mode()  # too late
+    driven.watch(5)
+    assert (driven.mode, driven.channel.active) == (Mode.STANDBY, False)
+    driven.simulation.order(Mode.MDI, State.ACTIVE, "G90 G01 F6000 X60")
+    driven.watch(5)
+    assert port.wanted_mode is Mode.MDI
+    port.claims_modes = False
+    port.update()  # it gives the unit back: the driver answers itself
+    driven.watch(2)
+    assert (driven.mode, driven.channel.active) == (Mode.MDI, True)
+    assert not area.lc_mode.please_rw
+    driven.until_done()
+
+
+@pytest.mark.spec("hli.mech.lc-control-unit")
+def test_the_plc_takes_part_in_a_reset(driven: Driven) -> None:
+    """Functions are forgotten on both sides before a new one goes out."""
+    area = driven.hli.channels[0]
+    partner = driven.simulation.plc
+    assert isinstance(partner, ScriptedPlc)
+    partner.delays = {(1, 20): None}
+    driven.start("%F\nN10 G90 G01 F6000 X10\nN20 M20\nN30 M30\n")
+    driven.until(lambda: (1, 20) in partner.taken)
+    driven.reset()
+    assert area.lc_reset.please_rw
+    driven.until(lambda: not area.lc_reset.please_rw, 0.1)
+    assert area.lc_reset.done_w
+    partner.delays = {}
+    driven.until_done()
+    driven.start("%F\nN10 G90 G01 F6000 X20\nN20 M20\nN30 M30\n")
+    driven.until_done()
+    assert driven.errors == []
+    assert partner.taken.count((1, 20)) == 2
 
 
 def test_a_hold_is_taken_back_while_the_path_still_brakes(driven: Driven) -> None:

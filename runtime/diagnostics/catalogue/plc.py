@@ -104,6 +104,13 @@ MODE_PROGRAM_RUNS = ErrorEntry(
     severity=Severity.WARNING,
     remedy="stop the program first, or wait for its end",
 )
+MODE_NOT_AGREED = ErrorEntry(
+    306320,
+    "a reset came before the PLC had agreed to mode {mode}",
+    severity=Severity.WARNING,
+    reaction=Reaction.NONE,
+    remedy="see what the PLC program waits for before it agrees, then order the mode again",
+)
 MODE_RESET_FIRST = ErrorEntry(
     304015,
     "channel is in ERROR; only a reset leads on",
