@@ -93,7 +93,7 @@ def consumes(entries: list[str], flag: str) -> None:
 # ---------------------------------------------------------------------------------------------------- the layout
 
 
-def fields(of: type, path: str = "") -> Iterator[tuple[str, type, int]]:
+def fields(of: type, path: str = "") -> Iterator[tuple[str, Any, int]]:
     """Every elementary element below a structure: path, type, offset in its structure."""
     for name, kind, *bits in of._fields_:  # type: ignore[attr-defined]
         assert not bits, f"{path}.{name} is a bit field: two writers would overwrite each other's bits"
