@@ -14,7 +14,7 @@ from runtime.config.machine import Machine
 from runtime.fieldbus.simulator.drive import Fault
 from runtime.recorder.file import RecordingError, RecordingFile, RecordingWriter
 from runtime.recorder.noting import StateNotes
-from runtime.recorder.record import GAP, KEYFRAME
+from runtime.recorder.record import GAP, KEYFRAME, Section
 from runtime.recorder.state import Outside, StateError, restore
 from runtime.scheduler.recorded import watch
 from tests.recorder.test_replay import MESSAGES, PART, Recorded, replay
@@ -44,9 +44,17 @@ def rewritten(source: Path, target: Path, keep: Callable[[int], bool]) -> Path:
     return target
 
 
-def keyframes(path: Path) -> list[int]:
+def keyframes(path: Path, *, whole: bool = True) -> list[int]:
+    """The cycles that they are of; `whole`: those that were told to their end, else those that were given up."""
+    found, cycle = [], 0
     with RecordingFile(path) as file:
-        return [record.cycle for record in file.records() if record.marks & KEYFRAME]
+        for record in file.records():
+            if record.marks & KEYFRAME:
+                cycle = record.cycle
+            end = record.section(Section.KEYFRAME_END)
+            if end is not None and bool(end[0]) == whole:
+                found.append(cycle)
+    return found
 
 
 def with_keyframes(recorded: Recorded, seconds: float, every: int) -> None:
