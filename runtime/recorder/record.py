@@ -65,7 +65,11 @@ class CycleRecord:
 
     def section(self, kind: Section) -> Words | None:
         """The first section of a kind."""
-        return next((words for found, words in self.sections if found == kind), None)
+        number = int(kind)  # an enum is slow to compare
+        for found, words in self.sections:
+            if found == number:
+                return words
+        return None
 
 
 def records_of(words: Words) -> Iterator[CycleRecord]:

@@ -47,6 +47,9 @@ from runtime.scheduler.trace import SampleRecorder, TraceWriter
 
 Words = npt.NDArray[np.int64]
 _NOTHING: Words = np.zeros(0, dtype=np.int64)
+# plain numbers: an enum is slow to compare. Changes of a section belong to an area, by its place in AREAS.
+_TAKEN = {int(Section.HLI): 0, int(Section.LINK): 1, int(Section.IMAGE): 2, int(Section.FIGURES): 3}
+_FIGURES, _GIVEN_OUT = int(Section.FIGURES), int(Section.BEFORE_PLC)
 _EVENTS_TAKEN = 64  # cycles, so that the ring of events never fills
 
 
@@ -319,15 +322,13 @@ class Replay:
         assert record is not None
         image.events.clear()
         for kind, words in record.sections:
-            if kind == Section.IMAGE:
-                apply_changes(words, self.drives_area.own, self.drives_area.agreed)
-            elif kind == Section.FIGURES:
-                apply_changes(words, self.figures_area.own, self.figures_area.agreed)
-                self._take_figures()
-            elif kind == Section.HLI:
-                apply_changes(words, self.hli.own, self.hli.agreed)
-            elif kind == Section.LINK:
-                apply_changes(words, self.link_area.own, self.link_area.agreed)
+            if kind >= _GIVEN_OUT:
+                break
+            if kind in _TAKEN:
+                area = self.areas[_TAKEN[kind]]
+                apply_changes(words, area.own, area.agreed)
+                if kind == _FIGURES:
+                    self._take_figures()
             elif kind == Section.BUSES:
                 image.buses = [_bus(*told) for told in value_of(words)]
                 image.buses_changed = True
@@ -335,8 +336,6 @@ class Replay:
                 image.events.extend(DriveEvent(*event) for event in value_of(words))
             elif Section.QUEUE <= kind <= Section.QUEUE_LIMITS:
                 self._fill_queue(kind, words)
-            elif kind >= Section.BEFORE_PLC:
-                break
 
     def _take_figures(self) -> None:
         image = self.image
@@ -389,7 +388,7 @@ class Replay:
         end = area.give_out(kind, self._scratch, 0)
         replayed = self._scratch[1:end]
         expected = _NOTHING if recorded is None else recorded
-        if np.array_equal(replayed, expected) or self.difference is not None or self._cut_off:
+        if replayed.tobytes() == expected.tobytes() or self.difference is not None or self._cut_off:
             return
         before, now = _values(expected), _values(replayed)
         for word in sorted(before.keys() | now.keys()):
