@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -26,6 +27,7 @@ UNIT: Final = "tandem.service"
 PYTHON: Final = "/opt/tandem/bin/python"
 COMMAND: Final = "/opt/tandem/bin/tandem"
 START_LIMIT: Final = 900.0  # s
+RESET_PAUSE: Final = 5.0  # s between two resets
 STATE: Final = Path("/var/lib/tandem")
 SOURCES: Final = Path("/run/sources")  # README and the units, as a clone has them
 DROP_IN: Final = Path("/etc/systemd/system/tandem.service.d/emulator.conf")
@@ -113,6 +115,7 @@ class Service:
         Path("/proc/sys/kernel/sched_rt_runtime_us").write_text("700000")
         self.wait_for("can0 is up", lambda: "UP" in run("ip", "-br", "link", "show", "can0", check=False).stdout)
         for command in (
+            "ip link set can0 txqueuelen 1000",  # an emulated card stands still for longer than any real one
             "ip link set can1 type can bitrate 1000000 restart-ms 100",
             "ip link set can1 txqueuelen 1000",
             "ip link set can1 up",
@@ -193,11 +196,22 @@ class Service:
         return True
 
     def ready(self, what: str = "ready") -> None:
-        """Until every axis is enabled and the PLC runs; one reset, as an operator would give it, if the start left an alarm."""
+        """Until every axis is enabled and the PLC runs; alarms that a busy emulator leaves are reset, as by an operator."""
         self.wait_for(f"{what}: cycle", self.attached, START_LIMIT)
-        if self.state() is State.ERROR:
-            self.reset()
-        self.wait_for(what, lambda: self.attached() and all(self.enabled()) and bool(self.hli.platform.plc_running_r))
+        resets = 0.0
+
+        def everything() -> bool:
+            nonlocal resets
+            if not self.attached():
+                return False
+            if self.state() is State.ERROR and time.monotonic() > resets:
+                resets = time.monotonic() + RESET_PAUSE
+                print(f"reset of {self.alarms()[-4:]}", flush=True)
+                with contextlib.suppress(OrderRefusedError, HliError):  # it is busy with the last one
+                    self.reset()
+            return all(self.enabled()) and bool(self.hli.platform.plc_running_r) and self.state() is not State.ERROR
+
+        self.wait_for(what, everything)
 
     @property
     def hli(self) -> Any:
