@@ -55,7 +55,7 @@ def command(
     from runtime.diagnostics.errors import Place
     from runtime.scheduler.journal import NativeJournal, open_journal
     from runtime.scheduler.session import Session
-    from runtime.scheduler.supervisor import RunOptions
+    from runtime.scheduler.supervisor import RunOptions, SupervisorError
 
     if demo and config is not None:
         raise typer.BadParameter("--demo brings its own machine; leave -c out, or start a program with --program")
@@ -82,8 +82,10 @@ def command(
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):  # service manager, Ctrl-C, terminal closed
         signal.signal(number, ask_to_stop)
     _say(f"starting {machine.name}: {len(machine.axes)} axes, bus {machine.fieldbus.bus.interface}")
+    started = False
     try:
         session.start()
+        started = True
         if session.supervisor.metrics_port:
             _say(f"metrics on http://{machine.metrics.host}:{session.supervisor.metrics_port}/metrics")
         if program is not None:
@@ -97,8 +99,13 @@ def command(
                 tell_at = now + _TELL_EVERY
                 _say(session.state_line())
             time.sleep(_POLL if plot is None else _PICTURE)
+    except SupervisorError:
+        if not stop:  # else the cycle was told to end as well, before it had begun
+            raise
     finally:
         code = session.stop()
+    if stop and not started:
+        code = 0
     if program is not None:
         code = _summary(session, machine, program, plot) or code
         if stop and not session.program_done:

@@ -3,7 +3,7 @@
 It attaches to the HLI, loads the user's program, and runs one PLC cycle each time the cycle process raises the
 eventfd N. It ends
 
-- on SIGTERM, after the cycle under way: the PLC logs off (exit code 0);
+- on SIGTERM, as soon as the machine is at rest and its cycle has ended: the PLC logs off (exit code 0);
 - when the runtime has ended or died: at once, at the latest by the kernel's signal at the death of the parent (0);
 - when the program cannot be loaded (3) or raises (4): the reason is in the HLI and on standard error, the PLC stays
 logged on;
@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 class _StopRequest:
-    """SIGTERM asks for an end after the cycle under way. SIGINT goes to the runtime, which then stops the PLC."""
+    """SIGTERM asks for an end with the runtime, which gets it too. SIGINT goes to the runtime only, which then stops the PLC."""
 
     def __init__(self) -> None:
         self.asked = False
@@ -96,7 +96,7 @@ def _run(exchange: ProgramExchange, memory: HliMemory, wake_fd: int, stop: _Stop
     waiter = select.poll()
     waiter.register(wake_fd, select.POLLIN)
     has_run = False
-    while not stop.asked:
+    while not stop.asked or head.running_r:  # the machine brakes with its PLC
         if waiter.poll(PATIENCE_MS):
             os.eventfd_read(wake_fd)
             if platform.plc_cycle_request_r != platform.plc_cycle_done_w:

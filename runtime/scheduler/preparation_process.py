@@ -63,7 +63,7 @@ def main() -> None:
     tools = machine_tools(machine, os.environ)
     preparation = Preparation(machine, arguments.channel, queue, link, outside, tools=tools, dialect=arguments.dialect)
     link.announce()
-    while not stopping:
+    while not stopping or (memory.hli.head.running_r and memory.owner_alive):  # one that is missing would be an alarm
         state = preparation.poll()
         if state in _PAUSES:
             time.sleep(_PAUSES[state])

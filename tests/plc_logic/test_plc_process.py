@@ -103,6 +103,9 @@ def test_a_cycle_per_wake_up_until_sigterm(rig: Rig) -> None:
     process.send_signal(signal.SIGINT)  # Ctrl+C reaches the whole group; the runtime decides
     assert rig.run_cycle()
     process.send_signal(signal.SIGTERM)
+    assert rig.run_cycle()
+    assert rig.run_cycle(), "the machine brakes with its PLC"
+    rig.memory.hli.head.running_r = False
     assert rig.end() == (0, "")
     assert not rig.platform.plc_present_w
     assert not rig.memory.hli.channels[0].control.feedhold.enable_w

@@ -70,6 +70,21 @@ def test_sigterm_brings_the_axes_to_rest_and_ends_with_0(machine: RunningMachine
     assert "brought to rest" in machine.log.read_text()
 
 
+def test_sigterm_to_every_process_stops_as_sigterm_to_one(machine: RunningMachine, long_program: Path) -> None:
+    """So systemd does it, and so it goes on when the main process has died."""
+    machine.start()
+    machine.order(long_program)
+    machine.wait_for(lambda: moving(machine), "motion")
+    for name in ("PLC", "preparation", "drives", "cycle", "service"):
+        os.kill(machine.pid_of(name), signal.SIGTERM)
+    assert machine.process is not None
+    assert machine.process.wait(60) == 0, machine.log.read_text()
+    log = machine.log.read_text()
+    assert "brought to rest" in log
+    for missed in (alarms.PROCESS_LOST, plc.PLC_WATCHDOG):
+        assert str(missed.id) not in log
+
+
 @pytest.mark.parametrize("victim", ["PLC", "preparation", "drives"])
 def test_a_killed_process_stops_the_axes_and_is_named(machine: RunningMachine, long_program: Path, victim: str) -> None:
     machine.start()

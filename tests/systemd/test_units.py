@@ -68,6 +68,8 @@ def test_the_service_may_do_what_the_runtime_does() -> None:
     assert int(unit["LimitRTPRIO"][0]) >= load_machine(Path("config/machine.yaml")).cycle.priority
     assert unit["LimitMEMLOCK"] == ["infinity"]
     assert "CPUSchedulingPolicy" not in unit
+    assert unit["KillMode"] == ["control-group"], "mixed would kill a braking cycle whose main process has died"
+    assert unit["WatchdogSignal"] == ["SIGTERM"], "SIGABRT would end the cycle in motion"
     assert unit["OOMPolicy"] == ["continue"], "a PLC process that the kernel has ended must not end the service"
     assert int(unit["OOMScoreAdjust"][0]) < 0
     assert unit["DeviceAllow"] == ["/dev/cpu_dma_latency w"]

@@ -31,6 +31,7 @@ from runtime.fieldbus.simulator.nodes import SimulatedBus, SimulatedNodes
 LONGEST_WAIT = 0.01  # s; heartbeats, plant and signals are looked after at least this often
 TAKEN_LIMIT = 2.0  # s that the nodes of a machine that is being switched off get to fall silent
 ORPHAN_SILENCE = 1.0  # s without a frame, after which an orphan ends: the master may still be braking the axes
+END_SILENCE = 0.2  # s, the same where SIGTERM went to all processes of the machine
 
 
 def refuse_taken_nodes(machine: Machine, bus: can.BusABC, now: Callable[[], float], name: str = "") -> None:
@@ -118,7 +119,9 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGINT, end)
 
     def stopped(silence: float) -> bool:
-        return ended or (silence > ORPHAN_SILENCE and options.exit_with_parent and os.getppid() != parent)
+        if not options.exit_with_parent:
+            return ended
+        return silence > (END_SILENCE if ended else ORPHAN_SILENCE) and (ended or os.getppid() != parent)
 
     nodes = SimulatedNodes(machine, buses, encoders=encoders)
     with contextlib.suppress(OSError):  # real drives have processors of their own

@@ -1,6 +1,7 @@
 """All that happens in the full form: the package as a systemd service, over several boots of one disk.
 
-FOLDER/environment says which part is played (SCENES); everything that is seen goes to FOLDER/PART.json.
+FOLDER/environment says which part is played (PART), and of the first one perhaps ONLY some scenes; what is seen goes to
+FOLDER/PART.json.
 
     first       installed as README says, started, milled, watched, in motion restarted, killed, frozen, stopped
     power       moves and writes as fast as it can, tells the host that it may cut the power, and waits for that
@@ -65,7 +66,7 @@ def first(service: Service, seen: dict[str, Any], folder: Path) -> None:
     seen["start_s"] = service.systemctl("start")
     service.ready("started")
     for scene in (_processes, _access, _metrics, _milling, _restart, _killed, _frozen, _stop):
-        if os.environ.get("ONLY", scene.__name__) == scene.__name__:
+        if scene.__name__ in os.environ.get("ONLY", scene.__name__).split(","):
             seen[scene.__name__.strip("_")] = found = _played(scene, service)
             if "failure" in found:
                 seen["failure"] = seen.get("failure", "") + found["failure"]
