@@ -196,20 +196,20 @@ class Service:
         return True
 
     def ready(self, what: str = "ready") -> None:
-        """Until every axis is enabled and the PLC runs; alarms that a busy emulator leaves are reset, as by an operator."""
+        """Until every axis is enabled and the PLC runs. An operator acknowledges what keeps them off: alarms, drives in fault."""
         self.wait_for(f"{what}: cycle", self.attached, START_LIMIT)
-        resets = 0.0
+        again = time.monotonic()
 
         def everything() -> bool:
-            nonlocal resets
+            nonlocal again
             if not self.attached():
                 return False
-            if self.state() is State.ERROR and time.monotonic() > resets:
-                resets = time.monotonic() + RESET_PAUSE
-                print(f"reset of {self.alarms()[-4:]}", flush=True)
+            done = all(self.enabled()) and bool(self.hli.platform.plc_running_r) and self.state() is not State.ERROR
+            if not done and time.monotonic() > again:
+                again = time.monotonic() + RESET_PAUSE
                 with contextlib.suppress(OrderRefusedError, HliError):  # it is busy with the last one
                     self.reset()
-            return all(self.enabled()) and bool(self.hli.platform.plc_running_r) and self.state() is not State.ERROR
+            return done
 
         self.wait_for(what, everything)
 
