@@ -322,6 +322,10 @@ class AxisCommands:
         self.override = 1.0  # spindles and axes moved alone
         self.torque_limit = math.inf  # share of the rated torque
         self.reset = False  # TRUE in one cycle only
+        self._spindle_reset = OneShot(control.spdl_reset)
+        self.spindle_reset = False  # TRUE in one cycle only
+        self.spindle_error = False
+        self.spindle_stops_at_end = False
 
     def sample(self) -> bool:
         """Read what is commanded in this cycle; without a PLC drives are on, axes released, override 100 %.
@@ -331,10 +335,13 @@ class AxisCommands:
         present = self._axis.plc_present_w
         changed = self._changes.look()
         if present == self._present_before and not changed:
-            self.reset = False
+            self.reset = self.spindle_reset = False
             return False
         self._present_before = present
         control = self._control
+        self.spindle_reset = self._spindle_reset.sample(present)
+        self.spindle_error = sample_bool(control.spdl_error, present, False)
+        self.spindle_stops_at_end = sample_bool(control.spdl_stop_at_prog_end, present, False)
         self.parked = sample_bool(control.parked, present, False)
         on = sample_bool(control.drive_on, present, True)
         torque = sample_bool(control.torque_permission, present, True)
@@ -357,6 +364,11 @@ class AxisCommands:
         self.torque_limit = math.inf if most == NO_TORQUE_LIMIT else most / FULL_OVERRIDE
         self.reset = self._reset.sample(present)
         return True
+
+    def show_spindle_reset(self, runs: bool) -> None:
+        """Whether the reset of the spindle still runs."""
+        if self._control.spdl_reset.state_r != runs:
+            self._control.spdl_reset.state_r = runs
 
     def show_parked(self, parked: bool) -> None:
         """Whether the axis is really out of use."""

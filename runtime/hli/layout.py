@@ -933,6 +933,9 @@ class AxisControl(c.Structure):
         ("dyn_pos_limit_low", Sgn32Unit),  # 0.1 µm or 0.0001 degrees
         ("dyn_pos_limit_high", Sgn32Unit),
         ("lag_monitoring_off", BoolUnit),
+        ("spdl_stop_at_prog_end", BoolUnit),  # spindles: the end of a program stops it
+        ("spdl_reset", BoolUnit),  # it stops and forgets what was ordered; `state_r` is TRUE until it stands
+        ("spdl_error", BoolUnit),  # the PLC reports an error: it stops, and takes no order
         ("override", Uns32Unit),  # spindles and axes moved alone, 0.1 %
         ("override_valid", BoolUnit),
         (
@@ -961,6 +964,52 @@ class AxisStatus(c.Structure):
         ("ready_for_control_loop_on_r", c.c_bool),  # it is enabled
         ("in_position_r", c.c_bool),
         ("referenced_r", c.c_bool),
+    ]
+
+
+class SpindleCommandKind(IntEnum):
+    """What the PLC orders of a spindle: the numbers of the functions by which a program does it."""
+
+    SPEED = 0
+    M3 = 3
+    M4 = 4
+    M5 = 5
+    M19 = 19
+    HOMING = 74
+    GEAR = 112
+    ACCELERATION = 130
+    FEED_FORWARD = 136
+    OVERRIDE_OFF = 167
+    SPEED_FACTOR = 1000
+
+
+class SpindleWay(IntFlag):
+    """`geo_gm_fkt` of a position of a spindle."""
+
+    SHORTEST = 0x10
+    ABSOLUTE = 0x100
+
+
+class SpindleCommand(c.Structure):
+    """An order to a spindle; what its kind does not need stays 0."""
+
+    _fields_ = [
+        ("satz_typ", c.c_uint32),  # SpindleCommandKind
+        ("vb_prog", c.c_int32),  # 0.001 degrees/s, not negative; 0: the speed that is programmed (with SPEED: 0)
+        ("geo_gm_fkt", c.c_uint32),  # SpindleWay
+        ("fahrweg", c.c_int32),  # 0.0001 degrees: M19, the angle, or without ABSOLUTE the way to it, less than a turn
+        ("value", c.c_double),  # ACCELERATION, FEED_FORWARD, SPEED_FACTOR: a share; GEAR: the stage, from 1
+    ]
+
+
+class SpindleCommandUnit(c.Structure):
+    """The slot for orders of the PLC to a spindle: the PLC fills it and raises the flag, the CNC takes and lowers it."""
+
+    _fields_ = [
+        ("command_w", SpindleCommand),
+        ("command_semaphor_rw", c.c_bool),
+        ("commands_taken_r", c.c_uint32),
+        ("error_r", c.c_uint32),  # id of why the last one was refused, 0 it was not
     ]
 
 
@@ -1012,6 +1061,7 @@ class Axis(c.Structure):
         ("status", AxisStatus),
         ("reference", KeptReference),
         ("spindle", SpindleStatus),
+        ("ext_to_ipo", SpindleCommandUnit),
         ("job", AxisJobUnit),
         ("lc_reset", LcUnit),
         ("used_units_std_sync_r", c.c_uint16),

@@ -3,7 +3,7 @@
 More blocks: `control_blocks` (blink, ramp, PID, ...); functions: `iec_functions`, `conversions`.
 """
 
-from runtime.hli.layout import AxisState, Mode, State, StopCondition
+from runtime.hli.layout import AxisState, Mode, SpindleCommandKind, SpindleWay, State, StopCondition
 from runtime.hli.tools import Identity, ManagedTool, RequestKind, ToolLife, ToolOrder
 from runtime.plc_logic.areas import NcMessage
 from runtime.plc_logic.cycle_time import cycle_at
@@ -43,6 +43,8 @@ __all__ = [
     "PlcFailure",
     "Program",
     "RequestKind",
+    "SpindleCommandKind",
+    "SpindleWay",
     "State",
     "StopCondition",
     "ToolLife",

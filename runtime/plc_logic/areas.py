@@ -25,6 +25,8 @@ from runtime.hli.layout import (
     MotionState,
     SearchState,
     Sgn32Unit,
+    SpindleCommandKind,
+    SpindleWay,
     State,
     StopCondition,
     Uns32Unit,
@@ -32,6 +34,7 @@ from runtime.hli.layout import (
 from runtime.hli.memory import get_text, put_text
 from runtime.hli.messages import LIMIT, MessageTaker, Offered
 from runtime.hli.modes import Wish
+from runtime.hli.spindle_commands import SpindleCall, SpindleCaller
 from runtime.hli.tools import ToolStore
 from runtime.hli.units import LENGTH, PERCENT, REV_PER_MIN, SPEED, to_int32
 
@@ -600,9 +603,54 @@ class AxisPort(_Area):
 class SpindlePort(AxisPort):
     """One spindle: speeds in rev/min."""
 
+    stops_at_program_end = BoolCommand("spdl_stop_at_prog_end", "The end of a program stops the spindle.")
+    failed = BoolCommand("spdl_error", "An error of the spindle: it stops, takes no order, and the machine is told.")
+
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
         self._spindle = axis.spindle
+        self._spindle_reset = _OneShot(axis.control.spdl_reset)
+        self._caller = SpindleCaller(axis)
+
+    def order(
+        self,
+        kind: SpindleCommandKind,
+        speed: float = 0.0,
+        angle: float = 0.0,
+        way: SpindleWay = SpindleWay.ABSOLUTE,
+        value: float = 0.0,
+    ) -> bool:
+        """What a program can order of a spindle; FALSE if the order before was not taken yet: try again in the next cycle.
+
+        `speed` in rev/min, 0 for the one that is programmed; `angle` in degrees, of M19; `value`: a share (ACCELERATION,
+        FEED_FORWARD, SPEED_FACTOR) or the gear stage from 1. `order_error` tells why it was refused.
+        """
+        return self._caller.give(SpindleCall(kind, speed / REV_PER_MIN * SPEED, angle, way, value))
+
+    @property
+    def order_taken(self) -> bool:
+        """The CNC has taken what was ordered."""
+        return self._caller.taken
+
+    @property
+    def order_error(self) -> int:
+        """Id of why the last order was refused, 0 it was not."""
+        return self._caller.error
+
+    def reset_spindle(self) -> None:
+        """It stops and forgets what was ordered; the channel goes on."""
+        self._spindle_reset.give()
+
+    @property
+    def resets(self) -> bool:
+        """Its reset still runs."""
+        value: bool = self._axis.control.spdl_reset.state_r
+        return value
+
+    def update(self) -> None:
+        """End of a PLC cycle. Called by the host."""
+        super().update()
+        self._spindle_reset.update()
 
     @property
     def speed(self) -> float:

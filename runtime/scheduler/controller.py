@@ -18,6 +18,7 @@ from runtime.cnc.axes.homing import HomingDrive
 from runtime.cnc.axes.job_slots import MachineJobs
 from runtime.cnc.axes.kept_reference import KeptReferences
 from runtime.cnc.axes.spindle import Spindle
+from runtime.cnc.axes.spindle_orders import SpindleOrders
 from runtime.cnc.axes.supervision import (
     FAULT_DRIVE,
     FAULT_DROPPED,
@@ -141,6 +142,10 @@ class Controller:
         self.compensation = AxisCompensation(machine, drives.image)
         self.publisher = Publisher(machine, hli, drives.image, self.supervision, self.channel, real=real_drives)
         self.orders = Orders(machine, hli)
+        units = {i: self.orders.of_spindle(i) for i in indices}
+        chosen = zip(indices, described.parameters.spindel, strict=True)
+        moved = frozenset(i for i, spindle in chosen if spindle.plc_control)
+        self.spindle_orders = SpindleOrders(hli, spindles, units, moved)
         self.jobs = MachineJobs(
             machine, hli, drives.image, self._path_list, self.channel.jobs.ordered, self, self.orders.torque_limits
         )
@@ -216,6 +221,9 @@ class Controller:
                 image.target_position[self._path_axes] = self.interpolator.position + self.beside.offset
             else:  # an axis without its drive tracks, the others still brake on the path
                 self._brake_without_lost_axes(enabled)
+        self.spindle_orders.step(enabled, image.actual_velocity, active=self.channel.active)
+        if self.spindle_orders.problems:
+            self._tell_spindles()
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point
@@ -234,6 +242,11 @@ class Controller:
         if self.channel.problems:
             for problem in self._take_problems():
                 self.alarm(problem)
+
+    def _tell_spindles(self) -> None:
+        for axis, problem in self.spindle_orders.problems:
+            self.alarm(problem, axis)
+        self.spindle_orders.problems.clear()
 
     def _move_without_parked(self) -> None:
         """Parked axes track; a path that would move one of them stops."""

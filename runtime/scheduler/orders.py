@@ -125,6 +125,10 @@ class Orders:
         """Share of the programmed speed."""
         return self._axis_commands[axis].override
 
+    def of_spindle(self, axis: int) -> AxisCommands:
+        """The control units of a spindle (index in the machine)."""
+        return self._axis_commands[axis]
+
     def axis_commands(self, axis: int) -> tuple[float, bool]:
         """Override of an axis that moves alone, and whether it is held."""
         commands = self._axis_commands[axis]

@@ -108,6 +108,17 @@ class Spindle:
         self.mode = SpindleMode.M5
         self._turn()
 
+    def reset(self) -> None:
+        """Stops, and forgets what was ordered beside motion: weights, the override that is switched off."""
+        self.speed_factor = self.feed_forward = self.acceleration_weight = 1.0
+        self.override_off = False
+        self.stop()
+
+    @property
+    def stages(self) -> int:
+        """Gear stages that it has data of."""
+        return len(self._stages)
+
     def weigh(self, *, acceleration: float | None = None, speed: float | None = None) -> None:
         """New weights of acceleration (G130) and speed (OVERRIDE SPEED_FACT), 1.0 is 100 %."""
         self.acceleration_weight = self.acceleration_weight if acceleration is None else acceleration

@@ -145,3 +145,14 @@ JOB_RATIO = ErrorEntry(308026, "{function} needs {what}, once", remedy="B[MC_Gea
 JOB_OTHER_MASTER = _entry(
     308027, "axis {axis}: {function} names master {master}, and it follows another one", "name the master of MC_GearIn"
 )
+SPINDLE_ORDER = _entry(
+    308028,
+    "spindle {spindle}: the order {order} of the PLC is refused: {what}",
+    "correct what the PLC program writes into ext_to_ipo, or wait until the spindle can take it",
+)
+SPINDLE_ERROR = ErrorEntry(
+    308029,
+    "spindle {spindle}: the PLC reports an error",
+    reaction=Reaction.STOP_ON_PATH,
+    remedy="the PLC program knows the cause; when it takes spdl_error back, reset",
+)
