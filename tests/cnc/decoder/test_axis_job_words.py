@@ -34,7 +34,7 @@ def job(text: str, setup: object = SETUP) -> Job:
     return only.job
 
 
-@pytest.mark.spec("chan.plcopen")
+@pytest.mark.spec("chan.plcopen", "isg.plcopen.command-syntax")
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -108,7 +108,9 @@ def test_p_chan_00359_waits_behind_every_block_with_jobs() -> None:
     assert kinds == [AxisJob, AxisJobWait]
 
 
-def test_a_job_goes_on_in_the_next_line() -> None:
+@pytest.mark.spec("isg.plcopen.command-syntax")
+def test_a_job_goes_on_in_the_next_line_and_is_written_in_any_case() -> None:
+    assert job("b[mc_moverelative distance10000 velocity=2000]") == Job(F.MOVE_RELATIVE, 1.0, 2.0)
     assert job("B[MC_MoveRelative Distance=10000 \\\n Velocity=2000]") == Job(F.MOVE_RELATIVE, 1.0, 2.0)
 
 
@@ -116,6 +118,7 @@ def test_quoted_texts_hold_no_jobs() -> None:
     assert not jobs('#MSG ["B[MC_Stop]"]')
 
 
+@pytest.mark.spec("isg.plcopen.command-syntax")
 @pytest.mark.parametrize(
     ("text", "entry"),
     [

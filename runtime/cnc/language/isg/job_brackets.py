@@ -69,8 +69,9 @@ def _path_axis(addresses: Addresses, name: str, column: int) -> int:
 
 def _axis(addresses: Addresses, name: str, function: str, column: int) -> int:
     """Index among the axes outside of the channel; LineError for one that takes no job of the program."""
-    if name in addresses.other_axes:
-        return addresses.other_axes.index(name)
+    for known in (name, name.upper()):
+        if known in addresses.other_axes:
+            return addresses.other_axes.index(known)
     if addresses.axis(name) >= 0:
         raise LineError(axis_jobs.JOB_PATH_AXIS, column, axis=name, function=function)
     if addresses.has_spindle(name):
