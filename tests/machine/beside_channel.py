@@ -25,7 +25,7 @@ TABLE = """  - name: B
     drive: {node: 9, increments_per_unit: 1000, vendor_id: 0x7A4D, product_code: 0x402}
 """
 PLC = """
-from runtime.plc_logic import Program
+from runtime.plc_logic import Program, s_function
 from runtime.plc_logic.motion import *
 
 class Loader(Program):
@@ -35,6 +35,10 @@ class Loader(Program):
     def cycle(self):
         for call in list(self.calls.values()):
             call(self)
+
+    @s_function()
+    def spindle_told(self, f):
+        return True
 """
 
 
