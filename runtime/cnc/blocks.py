@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.dynamic_settings import DynamicSettings
+from runtime.cnc.filter_settings import FilterSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.hli.axis_jobs import Job
 
@@ -597,6 +598,14 @@ class SegmentationChange:
 
 
 @dataclass(frozen=True, slots=True)
+class FilterChange:
+    """The filters of the set-points (#FILTER) from here on; the path stands."""
+
+    source: Source
+    settings: FilterSettings
+
+
+@dataclass(frozen=True, slots=True)
 class ToolRadius:
     """The radius of the active tool from here on, mm; negative: the other side. A program starts with 0.
 
@@ -981,6 +990,7 @@ Block = (
     | ContourChange
     | SplineChange
     | SegmentationChange
+    | FilterChange
     | ToolRadius
     | AxisLimitChange
     | Flush

@@ -200,6 +200,7 @@ class Channel:
         self._delete_distance.begin()
         self.backward.begin(off=not keeps_path)
         self.interpolator.restart(order.start)
+        self.interpolator.begin_filter()
         self.functions.restart()
         self.link.start(order)
         self.phase = Phase.STARTING

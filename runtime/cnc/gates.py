@@ -118,6 +118,7 @@ class Gates:
             GateReason.FLUSH: self._open,
             GateReason.FLUSH_WAIT: self._flush_wait,
             GateReason.EXACT_STOP: self._exact_stop,
+            GateReason.FILTER: self._filter,
             GateReason.AXIS_JOBS: self._axis_jobs,
             GateReason.INDEPENDENT: self._own_motion,
             GateReason.COUPLING: self._couple,
@@ -311,6 +312,15 @@ class Gates:
         if not self._path.standstill or self._on_their_way():
             return _EXACT_STOP
         return self._open(gate)
+
+    def _filter(self, gate: QueueRecord) -> int:
+        """The filter of the set-points changes where nothing moves; not while the program is being aborted."""
+        path = self._path
+        if self._running and path.standstill and path.all_told:
+            halves = path.queue.record(path.gate)["end"][: len(path.position)]
+            path.change_filter(halves.astype(np.int64).tolist(), gate.value, gate.seconds, gate.lead)
+            return self._open(gate)
+        return _NONE
 
     def _axis_jobs(self, gate: QueueRecord) -> int:
         """Jobs of axes outside the path are done, or the program ends here."""

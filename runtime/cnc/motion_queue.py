@@ -87,6 +87,9 @@ class GateReason(IntEnum):
     INDEPENDENT = 25  # an own motion of an axis begins
     INDEPENDENT_WAIT = 26  # own motions have come to their targets
     COUPLING = 27  # axes follow others from here on, or no longer
+    FILTER = (
+        28  # the filter of the set-points is changed (#FILTER); what was driven with another one is not driven again
+    )
     SEARCH_BEGIN = 30  # block search: see blocks.SearchStep
     SEARCH_END = 31
     SEARCH_RETURN = 32

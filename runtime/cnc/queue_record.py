@@ -27,6 +27,8 @@ class QueueRecord(NamedTuple):
     - an error: its number, and its remedy class;
     - tool life: its command (position in `LifeCommand`), and the distance (mm) or its factor; `seconds` the time (s) or its
       factor; `offset`, `size`, `feed`: basic, sister and variant number.
+    - the gate of #FILTER: `value` the share, `seconds` the cut-off frequency (Hz), `lead` the quality, NaN: those of the axis;
+      the halves of the filters (cycles) stand in `end` of the record;
     - G200, G201, G202: the axes as bits; G74: four bits per axis, its turn;
     - SET_POSITION: the axis, and the position, or with `offset` 1 the way;
     - an own motion of an axis: the axis, and the target; `feed`, `lead`, `seconds` velocity, acceleration and jerk in s;

@@ -23,6 +23,7 @@ from runtime.config.consistency import inconsistencies
 from runtime.config.contradictions import Contradiction, ContradictionError, Location
 from runtime.config.drive import Configuration, Drive, Identity, SimulatedServo
 from runtime.config.external import ExternalVariable, Member
+from runtime.config.fir_filter import FirFilter
 from runtime.config.model import FileBeside, Model, Several, beside, folder_of
 from runtime.config.quantities import UnitError, parse_quantity
 from runtime.config.quantity_fields import Acceleration, Jerk, Length, Seconds, Velocity, VelocityStep
@@ -158,6 +159,7 @@ class Axis(Model):
     homing: HomingSetup | None = None  # None: the encoder is absolute, the axis has its reference always
     drive: Drive | None = None
     compensation: Compensation | None = None
+    fir_filter: FirFilter | None = None  # of the set-points of the path (#FILTER)
     gear_stages: Several[GearStage] = Field(default=(), max_length=6)  # of a spindle; without: one stage
 
     @property

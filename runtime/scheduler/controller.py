@@ -107,7 +107,8 @@ class Controller:
         self._path_list: list[int] = self._path_axes.tolist()
         path_axes = [machine.axes[i] for i in self._path_list]
         period = self._period = machine.cycle.period
-        self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)))
+        filters = [axis.fir_filter for axis in path_axes]
+        self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)), filters)
         indices = [machine.axis_index(spindle.bezeichnung) for spindle in described.parameters.spindel]
         spindles = [Spindle(machine.axes[i], i, period) for i in indices]
         inputs, _ = io_bits(machine)
@@ -218,7 +219,7 @@ class Controller:
             if self._any_parked:
                 self._move_without_parked()
             elif self._path_enabled and not self._astray:
-                image.target_position[self._path_axes] = self.interpolator.position + self.beside.offset
+                image.target_position[self._path_axes] = self.interpolator.set_point + self.beside.offset
             else:  # an axis without its drive tracks, the others still brake on the path
                 self._brake_without_lost_axes(enabled)
         self.spindle_orders.step(enabled, image.actual_velocity, active=self.channel.active)
@@ -254,7 +255,7 @@ class Controller:
         if self.channel.error is not None:
             return
         for k, i in enumerate(self._path_list):
-            way = self.interpolator.position[k] + self.beside.offset[k] - self._parked_at[k]
+            way = self.interpolator.set_point[k] + self.beside.offset[k] - self._parked_at[k]
             if self.parked[i] and abs(way) > _PARKED_WAY:
                 self.alarm(Problem(alarms.PARKED_MOVED, {"axis": self.machine.axes[i].name}), i)
                 return
@@ -265,7 +266,7 @@ class Controller:
             if not enabled[i]:
                 self._astray.add(i)
             elif i not in self._astray:
-                self.drives.image.target_position[i] = self.interpolator.position[k] + self.beside.offset[k]
+                self.drives.image.target_position[i] = self.interpolator.set_point[k] + self.beside.offset[k]
 
     def _path_cam(self, k: int) -> bool | None:
         return self.cam(self._path_list[k])

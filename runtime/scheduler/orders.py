@@ -112,7 +112,7 @@ class Orders:
         """How the path axes with dynamic limits stand to them."""
         if not self.inputs.restricted:
             return
-        path = channel.interpolator.position + channel.beside.offset
+        path = channel.interpolator.set_point + channel.beside.offset
         for k, (axis, limits) in enumerate(zip(self._path_commands, self.inputs.limits, strict=True)):
             if limits is not None:
                 axis.show_limits(channel.stop_before.limit_state(k, limits, float(path[k])))

@@ -157,6 +157,7 @@ class Preparation:
             self._names,
             self._outside.error_texts.describe,
             channel_dynamics(self._machine, self._channel),
+            self._setup.filters,
         )
 
     def _decoded(self, order: StartOrder, outside: RunningMachine) -> Iterator[Block]:

@@ -287,7 +287,7 @@ class Replay:
         if channel.active:
             path = channel.interpolator
             rapid = not 0.0 < channel.programmed_feed < float("inf")
-            self.samples.add(record.time, path.position, path.path_velocity, max(path.line, 0), rapid)
+            self.samples.add(record.time, path.set_point, path.path_velocity, max(path.line, 0), rapid)
 
     def _summary(self, result: ReplayResult) -> dict[str, object]:
         names = self.machine.channels[0].axes

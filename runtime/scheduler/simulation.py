@@ -242,7 +242,7 @@ class Simulation:
         if self.samples is not None and self.controller.channel.active:
             path = self.controller.interpolator
             rapid = not 0.0 < self.controller.channel.programmed_feed < float("inf")
-            self.samples.add(self.time, path.position, path.path_velocity, max(path.line, 0), rapid)
+            self.samples.add(self.time, path.set_point, path.path_velocity, max(path.line, 0), rapid)
         for event in self.events.take():
             if self.writer is not None:
                 self.writer.event(event)

@@ -108,7 +108,9 @@ class Execution:
         self.dynamics = setup.dynamics
         self.corner_parameters: CornerDeceleration | None = None  # of #CORNER PARAM
         self.feed_group: FeedGroup = setup.feed_group
-        self.smoothing = Smoothing.of(setup.poly_jerk, setup.hsc_start)
+        self.smoothing = Smoothing.of(
+            setup.poly_jerk, setup.hsc_start, any(given is not None and given.enable for given in setup.filters)
+        )
         self.coordinates = Coordinates.at(start)
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)

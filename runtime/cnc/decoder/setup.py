@@ -26,6 +26,7 @@ from runtime.config.channel.synchronisation import (
     synch_names,
 )
 from runtime.config.external import ExternalLayout
+from runtime.config.fir_filter import FirFilter
 from runtime.config.machine import AxisType, Machine
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
@@ -250,6 +251,8 @@ class DecoderSetup:
     independent_waits_named: bool = False  # P-CHAN-00451
     modal_centre: bool = False  # P-CHAN-00159: I, J, K hold for following circles
     always_shortest: bool = False  # P-CHAN-00346: signs choose no direction of axes that turn without end
+    period: float = 0.001  # of the cycle, s
+    filters: tuple[FirFilter | None, ...] = ()  # of the axes, (n,)
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -354,6 +357,8 @@ class DecoderSetup:
                 for index, axis in enumerate(machine.axes)
                 if axis.name not in described.axes and axis.type is not AxisType.SPINDLE
             ),
+            period=machine.cycle.period,
+            filters=tuple(axis.fir_filter for axis in axes),
             job_units=parameters.plcopen_std_unit,
             jobs_wait=parameters.plcopen_implicit_sync,
             couplings=parameters.synchro_data.axis_pairs,

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from runtime.cnc.blocks import ContourChange, Contouring, Segmentation, Spline, SplineKind
+from runtime.cnc.filter_settings import FilterSettings
 from runtime.config.channel.dynamics import HscBsplineParameters
 
 if TYPE_CHECKING:
@@ -44,11 +45,14 @@ class Smoothing:
     longest_factor: float = 3.0  # of the median block length, OPMODE 2
     hsc_on: bool = False
     segmentation: Segmentation = field(default_factory=Segmentation)
+    filter: FilterSettings = field(default_factory=FilterSettings)
 
     @classmethod
-    def of(cls, check_jerk: int, hsc: Spline) -> Smoothing:
-        """The state at the start of a program; `check_jerk`: P-CHAN-00110, `hsc`: of #HSC [BSPLINE]."""
-        return cls(Contouring(check_jerk=check_jerk), hsc=hsc, surface=replace(SURFACE_DEFAULT, check_jerk=check_jerk))
+    def of(cls, check_jerk: int, hsc: Spline, filtered: bool) -> Smoothing:
+        """The state at the start of a program; `check_jerk`: P-CHAN-00110, `hsc`: of #HSC [BSPLINE], `filtered`: an axis has
+        its filter on (P-AXIS-00573)."""
+        surface = replace(SURFACE_DEFAULT, check_jerk=check_jerk)
+        return cls(Contouring(check_jerk=check_jerk), hsc=hsc, surface=surface, filter=FilterSettings(on=filtered))
 
 
 def hsc_start(given: HscBsplineParameters) -> Spline:

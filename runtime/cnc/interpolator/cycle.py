@@ -60,7 +60,8 @@ GATE_INDEX, AT_GATE, PASSED_COUNT, STANDSTILL, STARVED, STARTED, ENDED = 8, 9, 1
 # gates up to OPENED are open; block ends of single block up to BLOCKS_RELEASED: a gate far ahead may be open long before
 ABORTING, APART, SHOWN, BRAKED, HORIZON_ZONES, BLOCKS_RELEASED = 16, 17, 18, 19, 20, 21
 ROWS, BRAKED_IN, ROWS_KEPT, REFUSED = 22, 24, 26, 27  # the first two for both views
-INT_STATE = 28
+TELL = 28  # a filter keeps the axes back: only what lies before this record may be told; below 0 everything
+INT_STATE = 29
 
 KEPT = 2  # the plan that is driven, behind the proposals of both views
 
@@ -106,7 +107,8 @@ def report(records: Records, i: Ints, passed: Ints) -> None:
     """Tell what was passed: functions, ends of elements and blocks; not gates."""
     size = records.shape[0]
     count = 0
-    while i[REPORTED] < i[CUR] and count < passed.shape[0]:
+    end = i[CUR] if i[TELL] < 0 else min(i[CUR], i[TELL])
+    while i[REPORTED] < end and count < passed.shape[0]:
         if records[i[REPORTED] % size]["kind"] != GATE:
             passed[count] = i[REPORTED]
             count += 1

@@ -20,7 +20,9 @@ from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import cycle as c
 from runtime.cnc.interpolator import prediction
 from runtime.cnc.interpolator.lookahead import EXTERNAL_FEED, OVERRIDE, RAPID_OVERRIDE
+from runtime.cnc.interpolator.set_point_filter import SetPointFilter
 from runtime.cnc.motion_queue import MAX_AXES, MotionQueue
+from runtime.config.fir_filter import FirFilter
 
 Floats = npt.NDArray[np.float64]
 
@@ -45,12 +47,20 @@ class Interpolator:
 
     The limits of the axes are in the records of the queue (`path_preparation`); `axes` has to be what they were made
     with. `position` and `velocity` (n_axes,) are arrays of this object that each step overwrites: copy what is to be
-    kept.
+    kept. The axes are sent to `set_point` (n_axes,), which a filter (`filters` of the axes) keeps some cycles behind the path:
+    then nothing is passed, no gate is reached and the path does not stand before the axes are there.
     """
 
     SCRATCH = ("_real", "_whole", "_prediction")  # written before they are read in every step: no state
 
-    def __init__(self, queue: MotionQueue, axes: AxisLimits, period: float, position: Floats) -> None:
+    def __init__(
+        self,
+        queue: MotionQueue,
+        axes: AxisLimits,
+        period: float,
+        position: Floats,
+        filters: Sequence[FirFilter | None] = (),
+    ) -> None:
         if axes.n != queue.n_axes or len(position) != queue.n_axes:
             raise ValueError(f"queue has {queue.n_axes} axes, limits {axes.n}, position {len(position)}")
         self.queue = queue
@@ -69,6 +79,7 @@ class Interpolator:
         self._orders = np.array([1.0, 1.0, -1.0])  # of the last step: OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED
         self._single_block = False
         self._way = (0.0, 1.0)  # where `path_position` counts from, and in which sense
+        self._filter = SetPointFilter(filters or (None,) * self._n, period)
         self.restart(position)
 
     def restart(self, position: Floats, way: float = 0.0) -> None:
@@ -89,6 +100,7 @@ class Interpolator:
         self._plans[:] = 0.0
         self._i[c.ROWS_KEPT] = 1
         self._shown = (-1, 0, -1, -1)
+        self._settle()
 
     def step(
         self,
@@ -108,6 +120,8 @@ class Interpolator:
         orders[RAPID_OVERRIDE] = orders[OVERRIDE] if rapid_override is None else max(rapid_override, 0.0)
         orders[EXTERNAL_FEED] = external_feed
         self._single_block = bool(single_block)
+        if self._filter.on:
+            self._i[c.TELL] = self._filter.record
         c.cycle(
             self.queue.records,
             self.queue.polynomials,
@@ -126,6 +140,8 @@ class Interpolator:
             self._whole,
             self._plans,
         )
+        if self._filter.on:
+            self._filter.step(self._q, self._f[c.PATH], self._i[c.CUR])
 
     def exchange(self, track: Track) -> None:
         """Go over to another path at standstill; `track` keeps this one, for going back. The axes stay where they are."""
@@ -137,6 +153,7 @@ class Interpolator:
         self._shown, track.shown = track.shown, self._shown
         self._way, track.way = track.way, self._way
         self._dq[:] = 0.0
+        self._settle()
 
     def count_from(self, way: float, sense: float) -> None:
         """What `path_position` is now, mm, and whether it grows (1) or falls (-1)."""
@@ -146,6 +163,7 @@ class Interpolator:
         """The axes stand `way` mm into the record that comes next; at standstill."""
         self._f[c.PATH] += way - self._f[c.S_IN]
         self._f[c.S_IN] = way
+        self._settle()
 
     @property
     def inside(self) -> float:
@@ -155,6 +173,35 @@ class Interpolator:
     def resume_at(self, position: Floats) -> None:
         """The axes were moved while the path stood: it goes on from `position` (n_axes,), where the next element begins."""
         self._q[: self._n] = position
+        self._settle()
+
+    # ------------------------------------------------------------------ where the axes are sent to
+
+    @property
+    def set_point(self) -> Floats:
+        """Where the axes are sent to in this cycle, (n_axes,)."""
+        return self._filter.position if self._filter.on else self.position
+
+    @property
+    def trail(self) -> float:
+        """How far the filter keeps the axes behind the path, mm."""
+        return self._filter.trail
+
+    def begin_filter(self) -> None:
+        """A program begins: the filter is what the machine description says."""
+        self._filter.begin()
+        self._settle()
+
+    def change_filter(self, halves: Sequence[int], share: float, cut_off: float, quality: float) -> None:
+        """At standstill: filters of these halves (n_axes,), cycles, from here on (`SetPointFilter.set`)."""
+        self._filter.set(halves, share, cut_off, quality)
+        self._settle()
+
+    def _settle(self) -> None:
+        """The path stands, and so do the axes."""
+        self._i[c.TELL] = -1
+        if self._filter.on:
+            self._filter.settle(self.position, float(self._f[c.PATH]), int(self._i[c.CUR]))
 
     # ------------------------------------------------------------------ the path
 
@@ -180,7 +227,8 @@ class Interpolator:
         return min(float(self._f[c.S_IN]) / length, 1.0) if length > 0.0 else 1.0
 
     def time_until(self, way: float, before: int = -1, at_most: float = np.inf) -> float:
-        """Seconds until the path is `way` mm further, with the override as it is; infinite if that cannot be foreseen.
+        """Seconds until the axes are `way` mm further than the path, with the override as it is; infinite if that cannot be
+        foreseen.
 
         It cannot if a closed gate stands in front of record `before`, or in front of the place. Below 0 it is when the
         path was there, as far back as the beginning of the plan that is driven, at least this cycle. More than `at_most`
@@ -188,9 +236,11 @@ class Interpolator:
         """
         f, i = self._f, self._i
         plan, rows = self._plans[c.KEPT], int(i[c.ROWS_KEPT])
+        if self._filter.on and way <= 0.0:
+            return self._filter.seconds_to(way)
         if way <= 0.0:
             return float(prediction.time_on_plan(plan, rows, f[c.PLAN_TIME], way)) if way < 0.0 else 0.0
-        return float(
+        return self._filter.delay * self.period + float(
             prediction.time_until(
                 self.queue.records, self.queue.written, i[c.CUR], f[c.S_IN], f[c.V], way, before, at_most, self._orders,
                 i[c.OPENED], self._single_block, i[c.BLOCKS_RELEASED], plan, rows, f[c.PLAN_TIME], f[c.PLANNED],
@@ -259,7 +309,7 @@ class Interpolator:
     @property
     def at_gate(self) -> bool:
         """The path stands at `gate`, exactly."""
-        return bool(self._i[c.AT_GATE])
+        return bool(self._i[c.AT_GATE]) and self._filter.empty
 
     def open_gate(self) -> None:
         """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step."""
@@ -278,8 +328,8 @@ class Interpolator:
 
     @property
     def standstill(self) -> bool:
-        """The path did not move in this step."""
-        return bool(self._i[c.STANDSTILL])
+        """Neither the path nor the axes moved in this step."""
+        return bool(self._i[c.STANDSTILL]) and self._filter.empty
 
     @property
     def starved(self) -> bool:
@@ -299,7 +349,7 @@ class Interpolator:
     @property
     def apart(self) -> bool:
         """The next element doesn't start where the axes stand: nothing moves until `restart`."""
-        return bool(self._i[c.APART])
+        return bool(self._i[c.APART]) and self._filter.empty
 
     @property
     def overflows(self) -> int:
@@ -317,5 +367,5 @@ class Interpolator:
 
     @property
     def aborted(self) -> bool:
-        """`abort` was called and the path stands."""
-        return bool(self._i[c.ABORTING]) and float(self._f[c.V]) == 0.0
+        """`abort` was called and the path stands, and so do the axes."""
+        return bool(self._i[c.ABORTING]) and float(self._f[c.V]) == 0.0 and self._filter.empty

@@ -151,10 +151,12 @@ class DynamicLimits:
         self._machine = limits
         self._period = period
         self._weights = weights or ChannelDynamics()
-        self._settings = USUAL
+        self._asked = self._settings = USUAL
         self._kept: dict[tuple[bool, Factors], AxisLimits] = {}
         self._before: AxisLimits | None = None  # of the element before
         self._plain = True
+        self._corner_factors: Floats | None = None  # of the jumps of velocity, (n_axes,); #FILTER
+        self._watched = False  # the filter keeps a deviation: no jump at a corner is free
 
     @property
     def settings(self) -> DynamicSettings:
@@ -165,6 +167,13 @@ class DynamicLimits:
         self._machine = limits
         self._kept.clear()
 
+    def change_filter(self, corner_factors: Floats, *, watched: bool) -> None:
+        """A filter behind the interpolator spreads jumps of velocity: axes may jump by so many times as much at corners,
+        (n_axes,). `watched`: it counts on that, so no axis may jump by more."""
+        self._corner_factors = corner_factors if (corner_factors != 1.0).any() else None
+        self._watched = watched
+        self.change(self._asked)
+
     @property
     def kinds(self) -> int:
         """How many different sets of axis limits the elements may need under the present settings."""
@@ -172,9 +181,12 @@ class DynamicLimits:
 
     def change(self, settings: DynamicSettings) -> None:
         """Other settings hold from here on."""
+        self._asked = settings
+        if self._watched:
+            settings = replace(settings, look_ahead=ALL_LIMITS, free_corners=frozenset(), least_transition=0.0)
         self._settings = settings
         self._kept.clear()
-        self._plain = settings == USUAL and not self._weights.by_length.limits
+        self._plain = settings == USUAL and not self._weights.by_length.limits and self._corner_factors is None
 
     # ------------------------------------------------------------------ limits of a kind of move
 
@@ -229,20 +241,24 @@ class DynamicLimits:
         if not settings.look_ahead & LookAhead.TRANSITION:
             free[:] = True
         unlimited = free | (curve and not settings.look_ahead & LookAhead.CURVE)
+        step = limits.velocity_step if self._corner_factors is None else limits.velocity_step * self._corner_factors
         return replace(
             limits,
             acceleration=np.where(unlimited, UNLIMITED, limits.acceleration),
             jerk=np.where(unlimited, UNLIMITED / self._period, limits.jerk),
             deceleration=np.where(unlimited, UNLIMITED, limits.deceleration),
             braking_jerk=np.where(unlimited, UNLIMITED / self._period, limits.braking_jerk),
-            velocity_step=np.where(free, UNLIMITED, limits.velocity_step),
+            velocity_step=np.where(free, UNLIMITED, step),
         )
 
     def _entry_differs(self, curve: bool) -> bool:
         settings = self._settings
         chosen = settings.look_ahead
         return (
-            bool(settings.free_corners) or not chosen & LookAhead.TRANSITION or (curve and not chosen & LookAhead.CURVE)
+            self._corner_factors is not None
+            or bool(settings.free_corners)
+            or not chosen & LookAhead.TRANSITION
+            or (curve and not chosen & LookAhead.CURVE)
         )
 
     # ------------------------------------------------------------------ feeds

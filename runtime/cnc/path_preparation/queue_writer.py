@@ -10,7 +10,7 @@ The writer never waits and reads no clock: when the queue is full it says so and
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
 
 import numpy as np
@@ -32,6 +32,7 @@ from runtime.cnc.blocks import (
     DynamicsChange,
     ExactStop,
     ExternalWrite,
+    FilterChange,
     Flush,
     FlushKind,
     Hold,
@@ -70,6 +71,7 @@ from runtime.cnc.blocks import (
     Wait,
 )
 from runtime.cnc.dynamic_settings import USUAL, DynamicSettings
+from runtime.cnc.filter_settings import FilterSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomial_table import MAP
 from runtime.cnc.job_records import write_job, write_wait
@@ -80,7 +82,9 @@ from runtime.cnc.path_preparation.channel_dynamics import ChannelDynamics
 from runtime.cnc.path_preparation.dynamic_limits import ANY, ArcGeometry, DynamicLimits, Limited
 from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
+from runtime.cnc.path_preparation.filter_orders import filter_orders
 from runtime.cnc.path_preparation.polynomial_dynamics import fit
+from runtime.config.fir_filter import FirFilter
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP, POLYNOMIAL_GEOMETRY
 from runtime.diagnostics.errors import Place
 from runtime.hli.external import KINDS
@@ -182,8 +186,12 @@ class QueueWriter:
         names: tuple[str, ...] = (),
         error_text: Callable[[UserError], str] = described,
         weights: ChannelDynamics | None = None,
+        filters: Sequence[FirFilter | None] = (),
     ) -> None:
         self.queue = queue
+        self._filters = filters or (None,) * limits.n
+        self._greatest = limits
+        self._period = period
         self._error_text = error_text
         self._axes = limits.n
         self._limits = DynamicLimits(limits, period, weights)
@@ -372,6 +380,8 @@ class QueueWriter:
                 record["kind"], record["reason"] = RecordKind.GATE, GateReason.STOP_MARK
                 record["number"], record["value"] = block.level, block.user
                 record["offset"] = stop_mark_ways(block)
+            case FilterChange():
+                return self._filter(record, block.settings)
             case DistanceMark():
                 record["kind"] = RecordKind.ACTION
                 record["action"] = ActionKind.DISTANCE_BEGIN if block.begins else ActionKind.DISTANCE_END
@@ -419,6 +429,16 @@ class QueueWriter:
         if self._block_end is not None:
             self._block_end = self._block_end.copy()
             self._block_end[axis] = target
+
+    def _filter(self, record: Records, settings: FilterSettings) -> Records:
+        """The gate at which the filters change; from there on corners are as fast as they allow."""
+        orders = filter_orders(settings, self._filters, self._greatest, self._period)
+        self._limits.change_filter(np.array(orders.corner_factors), watched=settings.on and settings.deviation > 0.0)
+        record["kind"], record["reason"] = RecordKind.GATE, GateReason.FILTER
+        record["end"][0, : self._axes] = orders.halves
+        for field, value in (("value", settings.share), ("seconds", settings.cut_off), ("lead", settings.quality)):
+            record[field] = math.nan if value is None else value
+        return record
 
     def _flush_records(self, record: Records, kind: FlushKind) -> Records:
         """Everything before it is in the queue already: only the stop is left to be written."""

@@ -165,13 +165,13 @@ class FunctionsAhead:
         return bool(self._planned)
 
     def to_go(self, planned: Planned) -> float:
-        """Way from here to the place of a function, mm."""
+        """Way of the axes from here to the place of a function, mm."""
         path = self._path
         cur = path.next_index
         here = float(self._f[WAY_HERE])
         if cur < self._queue.written:
             here += float(self._queue.record(cur)["length"]) - path.remaining
-        return planned.way - here
+        return planned.way - here + path.trail
 
     def due(self, *, moving: bool, one_block: bool, release: Callable[[Planned, float], None]) -> None:
         """Calls `release` with each function to be put out now and the way to its place, in the right order.
@@ -202,7 +202,7 @@ class FunctionsAhead:
             return way <= lead
         if way <= 0.0:
             return True
-        return moving and self._path.time_until(way, planned.index, lead) <= lead
+        return moving and self._path.time_until(way - self._path.trail, planned.index, lead) <= lead
 
     def passed(self, index: int) -> Planned | None:
         """The path has come to a function; None if it was not known."""
@@ -225,4 +225,4 @@ class FunctionsAhead:
 
     def foreseen(self, planned: Planned) -> float:
         """Seconds to the place of a function; infinite if they cannot be foreseen."""
-        return self._path.time_until(self.to_go(planned), planned.index, math.inf)
+        return self._path.time_until(self.to_go(planned) - self._path.trail, planned.index, math.inf)

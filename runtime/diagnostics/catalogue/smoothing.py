@@ -50,3 +50,15 @@ TANGENT_AXIS = ErrorEntry(
     remedy="name all main axes, with 0 where the curve has no direction",
 )
 TANGENT_ZERO = ErrorEntry(300508, "the tangent has no direction", reaction=Reaction.STOP_AT_BLOCK_END)
+NO_FILTER = ErrorEntry(
+    300510,
+    "no axis of the channel has a filter",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="describe the filters of the axes in the machine description (fir_filter)",
+)
+FILTER_WITHOUT_ORDER = ErrorEntry(
+    300511,
+    "the filters have no order",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program ORDER or ORDER_TIME, or describe the order of the axes in the machine description",
+)

@@ -6,6 +6,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     axis_position,
     axis_rotary,
     contouring,
+    filters,
     g_calls,
     g_coordinates,
     g_feed,
