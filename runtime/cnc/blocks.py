@@ -516,6 +516,14 @@ class SplineKind(Enum):
     INTERPOLATING = "OPMODE 2"  # as AKIMA, straight where the part is prismatic
 
 
+class JoinedBy(Enum):
+    """Where a curve that is interrupted is joined to its neighbours (P-CHAN-00239)."""
+
+    NOTHING = 0
+    CURVES = 1
+    CURVES_AT_ARCS = 2
+
+
 class Tangent(Enum):
     """Where the direction at the end of an Akima spline comes from."""
 
@@ -530,7 +538,9 @@ class Spline:
 
     HSC: `deviation`, `tracking_deviation` 0 are not watched; where they are exceeded the curve follows the programmed path
     nearer to the corner, or with `sharp` (`sharp_tracking`) ends there. `merge`: short moves may become one. Moves longer
-    than `longest` (0: none), rapid ones with `without_rapid`, and corners sharper than `greatest_angle` interrupt the curve.
+    than `longest` (0: none), rapid ones with `without_rapid`, and corners sharper than `greatest_angle` interrupt the curve, and
+    moves in which other axes go more than `most_tracking` times as far as the main axes. `delayed`: the first motion is none of
+    the curve. What interrupts it is `joined` to it by curves of contouring within the same tolerances.
     SURFACE: `rapid_deviation`, `rapid_tracking` count at corners between two rapid moves, None: no others. With `arcs` an arc of
     less than `least_angle` or `least_radius` is part of the curve, any other is joined to it smoothly; without, arcs end it.
     `check_jerk` 0 lets curvature cause any jerk.
@@ -548,6 +558,9 @@ class Spline:
     without_rapid: bool = False
     longest: float = 0.0
     greatest_angle: float = 180.0
+    most_tracking: float = math.inf
+    delayed: bool = False
+    joined: JoinedBy = JoinedBy.NOTHING
     start: Tangent = Tangent.AUTO
     end: Tangent = Tangent.AUTO
     start_vector: tuple[float, ...] | None = None

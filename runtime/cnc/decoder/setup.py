@@ -239,6 +239,7 @@ class DecoderSetup:
     poly_jerk: int = 1  # P-CHAN-00110
     contouring_inch: bool = False  # P-CHAN-00439
     hsc_start: Spline = HSC_DEFAULT  # what #HSC [BSPLINE] begins with
+    no_hsc_at_zero: bool = False  # P-CHAN-00241
     limits: Limits = Limits()
     radius_compensation: bool = True  # P-CHAN-00092
     other_axes: tuple[OtherAxis, ...] = ()  # without spindles
@@ -338,7 +339,8 @@ class DecoderSetup:
             external=tuple(directory_of(ExternalLayout.of(machine).elements)),
             poly_jerk=parameters.check_jerk_on_poly_path,
             contouring_inch=bool(parameters.contouring_consider_inch),
-            hsc_start=hsc_start(parameters.hsc.bspline),
+            hsc_start=hsc_start(parameters.hsc),
+            no_hsc_at_zero=parameters.hsc.bspline.no_hsc_for_deviation_zero,
             limits=Limits(
                 parameters=parameters.configuration.decoder.p_param_number,
                 macros=parameters.configuration.decoder.macro_number,

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from runtime.cnc.blocks import ContourChange, Contouring, Segmentation, Spline, SplineKind
+from runtime.cnc.blocks import ContourChange, Contouring, JoinedBy, Segmentation, Spline, SplineKind
 from runtime.cnc.filter_settings import FilterSettings
-from runtime.config.channel.dynamics import HscBsplineParameters
+from runtime.config.channel.dynamics import HscParameters
 
 if TYPE_CHECKING:
     from runtime.cnc.decoder.execution import Execution
@@ -55,8 +55,9 @@ class Smoothing:
         return cls(Contouring(check_jerk=check_jerk), hsc=hsc, surface=surface, filter=FilterSettings(on=filtered))
 
 
-def hsc_start(given: HscBsplineParameters) -> Spline:
-    """What #HSC [BSPLINE] begins with (P-CHAN-00122 to 00130); an angle of 0 is the usual one."""
+def hsc_start(chosen: HscParameters) -> Spline:
+    """What #HSC [BSPLINE] begins with (P-CHAN-00122 to 00130, 00217, 00239, 00405); an angle of 0 is the usual one."""
+    given, general = chosen.bspline, chosen.gen
     return replace(
         HSC_DEFAULT,
         deviation=given.path_deviation * 1e-4,
@@ -66,6 +67,9 @@ def hsc_start(given: HscBsplineParameters) -> Spline:
         without_rapid=given.auto_off_g00,
         sharp=given.auto_off_path,
         sharp_tracking=given.auto_off_track,
+        most_tracking=general.max_track_ratio,
+        delayed=general.on_delay_output_one_block,
+        joined=JoinedBy(given.auto_contour_mode),
     )
 
 

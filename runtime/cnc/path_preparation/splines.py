@@ -29,9 +29,11 @@ from runtime.cnc.blocks import (
     Floats,
     Flush,
     Hold,
+    JoinedBy,
     Line,
     Polyline,
     Polynomials,
+    Source,
     Spline,
     SplineChange,
     SplineKind,
@@ -81,7 +83,8 @@ class SplineStage:
         self._tangent: Floats | None = None  # of the arc or line before the curve
         self._points = 0  # of the curve that the program has selected
         self._curve: InterpolatingCurve | None = None
-        self._behind_arc = False  # the curve begins at an arc that it is joined to
+        self._behind_arc = False  # the curve begins at an arc, or what else interrupts it, that it is joined to
+        self._delayed = False  # the next motion is none of the curve
         self._contouring: ContourChange | None = None  # what the program has selected last
         self._ending = False  # it is deselected, and waits for the direction of the next motion
 
@@ -99,7 +102,7 @@ class SplineStage:
                 yield block
             elif isinstance(block, Line | Polyline):
                 yield from self._straight(block)
-            elif isinstance(block, Arc) and self._spline.kind is SplineKind.SURFACE:
+            elif isinstance(block, Arc) and not self._delayed and _takes_arcs(self._spline):
                 yield from self._arc(self._spline, block)
             elif isinstance(block, Arc | Hold | Flush | ExactStop | Stop | Polynomials):
                 if self._ending:
@@ -107,7 +110,7 @@ class SplineStage:
                 tangent = _direction(block, at_end=False) if isinstance(block, Arc) else None
                 yield from self._finish(tangent)
                 if isinstance(block, Arc):
-                    self._tangent = _direction(block, at_end=True)
+                    self._tangent, self._delayed = _direction(block, at_end=True), False
                 yield block
             elif len(self._legs):
                 self._legs.actions.setdefault(len(self._legs), []).append(block)
@@ -116,22 +119,28 @@ class SplineStage:
         yield from self._finish(None)
 
     def _arc(self, spline: Spline, arc: Arc) -> Iterator[Block]:
-        """#HSC [SURFACE]: a small arc becomes part of the curve, any other is joined to it by a curve of contouring."""
-        chords = None if exact_arc(arc, spline) else as_chords(arc, spline)
-        if chords is not None:
-            yield from self._straight(chords)
-            return
-        if not spline.arcs:
-            yield from self._finish(None)
-            yield arc
-            return
-        yield ContourChange(
-            arc.source, Contouring(deviation=spline.deviation, check_jerk=spline.check_jerk), keeps=True
-        )
+        """An arc is joined to the curve; under #HSC [SURFACE] a small one becomes part of it."""
+        if spline.kind is SplineKind.SURFACE:
+            chords = None if exact_arc(arc, spline) else as_chords(arc, spline)
+            if chords is not None:
+                yield from self._straight(chords)
+                return
+            if not spline.arcs:
+                yield from self._finish(None)
+                yield arc
+                return
+        yield from self._joined(spline, arc.source, arc)
+
+    def _joined(self, spline: Spline, source: Source, motion: Motion | None) -> Iterator[Block]:
+        """The curve ends, and begins anew behind a motion, or at a corner; curves of contouring lead from one to the other."""
+        tracking = 0.0 if spline.kind is SplineKind.SURFACE else spline.tracking_deviation
+        settings = Contouring(deviation=spline.deviation, tracking_deviation=tracking, check_jerk=spline.check_jerk)
+        yield ContourChange(source, settings, keeps=True)
         yield from self._finish(None, into_arc=True)
-        yield arc
+        if motion is not None:
+            yield motion
         before = self._contouring
-        yield ContourChange(arc.source, None if before is None else before.contouring, keeps=True)
+        yield ContourChange(source, None if before is None else before.contouring, keeps=True)
         self._behind_arc = True
 
     def _change(self, change: SplineChange) -> Iterator[Block]:
@@ -142,6 +151,7 @@ class SplineStage:
                 return
         yield from self._deselect(None)
         self._spline = change.spline
+        self._delayed = change.spline is not None and change.spline.delayed
 
     def _deselect(self, tangent: Floats | None) -> Iterator[Block]:
         yield from self._finish(tangent)
@@ -175,6 +185,12 @@ class SplineStage:
                 outside |= np.isinf(run.feeds) & ~still
             if spline.longest > 0.0:
                 outside |= length > spline.longest
+            if spline.most_tracking < math.inf:
+                outside |= (np.sqrt((ways[:, MAIN_AXES:] ** 2).sum(axis=1)) > spline.most_tracking * length) & ~still
+        joined = spline.joined is JoinedBy.CURVES
+        if self._delayed and not still.all():
+            first = int(np.argmin(still))
+            outside[first] = True
         sharp = np.zeros(len(length), dtype=np.bool_)
         sharp[1:] = _turns(ways[:-1], ways[1:]) > _sharpest(spline)
         breaks = np.flatnonzero(still | outside | sharp)
@@ -187,13 +203,24 @@ class SplineStage:
                 begin = at + 1
             elif at < len(length) and outside[at]:
                 single = moves(run, at, at + 1)
-                yield from self._finish(_direction(single, at_end=False))
-                self._tangent = _direction(single, at_end=True)
-                yield block if isinstance(block, Line) else single
+                motion = block if isinstance(block, Line) else single
+                if joined and not self._delayed:
+                    yield from self._joined(spline, origin.source, motion)
+                else:
+                    yield from self._finish(_direction(single, at_end=False))
+                    yield motion
+                self._tangent, self._delayed = _direction(single, at_end=True), False
                 self._points = 0
                 begin = at + 1
             elif at < len(length):
-                yield from self._finish(None)
+                yield from self._corner(spline, origin.source)
+
+    def _corner(self, spline: Spline, source: Source) -> Iterator[Block]:
+        """A corner that is too sharp for the curve."""
+        if spline.joined is JoinedBy.CURVES:
+            yield from self._joined(spline, source, None)
+        else:
+            yield from self._finish(None)
 
     def _without_way(self, run: Polyline, i: int, own_ends: bool) -> None:
         """A move of no length is no vertex; the end of its NC block stays."""
@@ -211,7 +238,7 @@ class SplineStage:
             if legs.points:
                 way, before = run.points[begin + 1] - run.points[begin], legs.points[-1] - legs.points[-2]
                 if _turns(before[None], way[None])[0] > _sharpest(spline):
-                    yield from self._finish(None)
+                    yield from self._corner(spline, origin.source)
                     legs = self._legs
             if not legs.points:
                 legs.points.append(run.points[begin])
@@ -367,6 +394,13 @@ def _turns(first: Floats, second: Floats) -> Floats:
     square = (one * one).sum(axis=1) * (two * two).sum(axis=1) - product * product
     turns: Floats = np.arctan2(np.sqrt(np.maximum(square, 0.0)), product)
     return turns
+
+
+def _takes_arcs(spline: Spline) -> bool:
+    """Arcs are part of the curve, or joined to it."""
+    return spline.kind is SplineKind.SURFACE or (
+        spline.kind is SplineKind.HSC and spline.joined is not JoinedBy.NOTHING
+    )
 
 
 def _sharpest(spline: Spline) -> float:

@@ -84,9 +84,19 @@ class HscBsplineParameters(Model):
     auto_off_g00: bool = False  # P-CHAN-00128
     auto_off_path: bool = False  # P-CHAN-00129
     auto_off_track: bool = False  # P-CHAN-00130
+    auto_contour_mode: int = 0  # P-CHAN-00239
+    no_hsc_for_deviation_zero: bool = False  # P-CHAN-00241
+
+
+class HscGeneralParameters(Model):
+    """What else is said of HSC."""
+
+    on_delay_output_one_block: bool = False  # P-CHAN-00217
+    max_track_ratio: float = 100.0  # P-CHAN-00405, degrees per mm
 
 
 class HscParameters(Model):
     """Start values of HSC."""
 
     bspline: HscBsplineParameters = HscBsplineParameters()
+    gen: HscGeneralParameters = HscGeneralParameters()

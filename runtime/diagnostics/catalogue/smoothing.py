@@ -62,3 +62,9 @@ FILTER_WITHOUT_ORDER = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     remedy="program ORDER or ORDER_TIME, or describe the order of the axes in the machine description",
 )
+ONE_DEVIATION_ZERO = ErrorEntry(
+    21682,
+    "{key} is 0 and {other} is not: a B-spline without one of its tolerances leaves the contour",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="program both tolerances greater than 0, or both 0 for the contour itself (P-CHAN-00241)",
+)

@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.cnc.blocks import Arc, Line, Polynomials, TechnologyFunction
+from runtime.cnc.blocks import Arc, JoinedBy, Line, Polyline, Polynomials, TechnologyFunction
+from runtime.cnc.decoder import DecoderSetup
+from runtime.cnc.decoder.smoothing import HSC_DEFAULT
 from runtime.cnc.path_preparation import PathError
 from runtime.diagnostics.catalogue import smoothing as catalogue
 from tests.cnc.decoder.programs import SETUP, decode
@@ -371,3 +373,79 @@ def test_wrong_selections_are_errors(text: str, entry: object) -> None:
 def test_nothing_is_left_of_a_curve_that_never_began() -> None:
     assert not smoothed("#HSC ON [BSPLINE]\n#HSC OFF\nG151\nG150\nM30").motions
     assert isinstance(smoothed("G01 F1000\nG151\nX1 E100\nG150\nM30").motions[0], Line)
+
+
+# ---------------------------------------------------------------------------------------------------- what interrupts it
+
+
+def channel_curve(text: str, setup: DecoderSetup = SETUP, **fields: object) -> Smoothed:
+    """A program whose channel begins #HSC [BSPLINE] with other values."""
+    start = replace(HSC_DEFAULT, deviation=0.3, **fields)  # type: ignore[arg-type]
+    return smoothed(text, replace(setup, hsc_start=start))
+
+
+INTERRUPTED = [
+    ("sharp corner", {"greatest_angle": 60.0}, "X10 Y1\nX20 Y0\nX20 Y15\nX22 Y25", (20, 0), False),
+    ("long move", {"longest": 12.0}, "X10 Y1\nX15 Y0\nX40 Y10\nX45 Y5\nX50 Y5", (15, 0), False),
+    ("rapid move", {"without_rapid": True}, "X10 Y1\nX20 Y0\nG00 X20 Y20\nG01 X25 Y30\nX30 Y30", (20, 0), False),
+    ("arc", {}, "X10 Y1\nX20 Y0\nG02 X30 Y10 I10 J0\nG01 X40 Y15\nX50 Y15", (20, 0), True),
+    ("arc behind an arc", {}, "X10\nG03 X20 Y10 R10\nG03 X30 Y20 R12\nG01 X40 Y15\nX50 Y15", (20, 10), True),
+]
+
+
+@pytest.mark.spec("chan.hsc.bspline")
+@pytest.mark.parametrize(("name", "fields", "moves", "corner", "at_arc"), INTERRUPTED)
+@pytest.mark.parametrize("joined", list(JoinedBy))
+def test_what_interrupts_the_curve_is_joined_by_contouring(
+    name: str, fields: dict[str, object], moves: str, corner: tuple[float, float], at_arc: bool, joined: JoinedBy
+) -> None:
+    path = channel_curve(program("#HSC ON [BSPLINE]", moves, "#HSC OFF"), joined=joined, **fields)
+    smooth_there = joined is JoinedBy.CURVES or (joined is JoinedBy.CURVES_AT_ARCS and at_arc)
+    assert (met(path, *corner) > 1e-3) == smooth_there
+    assert deviation(path) <= 0.3 + 1e-6
+    assert ends_meet(path.blocks) < 1e-9
+    near = [j for j in joints(path.blocks) if np.linalg.norm(j.place[:2] - np.array(corner)) < 1.0]
+    assert any(j.turn > 1e-2 for j in near) != smooth_there
+
+
+@pytest.mark.spec("chan.hsc.bspline")
+@pytest.mark.parametrize("first", ["X10 Y1", "G02 X10 Y0 I5 J0\nG01", "X0 Y0\nX10 Y1"])
+def test_the_first_motion_may_stay_as_it_is(first: str) -> None:
+    moves = f"{first}\nX20 Y-3\nX30 Y4\nX40 Y0\nX50 Y2"
+    through = channel_curve(program("#HSC ON [BSPLINE]", moves, "#HSC OFF"), delayed=True)
+    end = (10, 0) if "G02" in first else (10, 1)
+    assert met(through, *end) < 1e-9
+    assert met(through, 20, -3) > 1e-3
+    kept = next(block for block in through.motions if np.abs(places(block, 1)[-1] - places(block, 1)[0]).max() > 1.0)
+    assert isinstance(kept, Arc if "G02" in first else Line | Polyline)
+    assert deviation(through) <= 0.3 + 1e-9
+    assert ends_meet(through.blocks) < 1e-9
+
+
+@pytest.mark.spec("chan.hsc.bspline")
+@pytest.mark.parametrize(("ratio", "exact"), [(2.0, True), (20.0, False)])
+def test_a_move_that_mostly_turns_interrupts_the_curve(ratio: float, exact: bool) -> None:
+    moves = "X10 Y1\nX12 Y0 C10\nX22 Y4 C10\nX30 Y0\nX40 Y2"
+    setup = replace(FIVE, hsc_start=HSC_DEFAULT)
+    path = channel_curve(program("#HSC ON [BSPLINE TRACK_DEV=0]", moves, "#HSC OFF"), setup, most_tracking=ratio)
+    assert (met(path, 10, 1) < 1e-9) == exact
+    assert (met(path, 12, 0) < 1e-9) == exact
+    assert met(path, 22, 4) > 1e-3
+
+
+@pytest.mark.spec("chan.hsc.bspline-off")
+@pytest.mark.parametrize(
+    ("tolerances", "refused", "curved"),
+    [("PATH_DEV=0.1 TRACK_DEV=1", False, True), ("PATH_DEV=0 TRACK_DEV=0", False, False), ("PATH_DEV=0", True, False),
+     ("TRACK_DEV=0", True, False)],
+)  # fmt: skip
+def test_tolerances_of_zero(tolerances: str, refused: bool, curved: bool) -> None:
+    text = program(f"#HSC ON [BSPLINE {tolerances}]", "X10 Y1\nX20 Y0\nX30 Y1", "#HSC OFF")
+    run = decode(text, replace(SETUP, no_hsc_at_zero=True))
+    if refused:
+        assert run.problem is not None
+        assert run.problem.entry is catalogue.ONE_DEVIATION_ZERO
+        return
+    assert run.problem is None
+    assert bool(smoothed(text, replace(SETUP, no_hsc_at_zero=True)).curves) == curved
+    assert decode(text, SETUP).problem is None

@@ -146,6 +146,13 @@ def switch_hsc(x: Execution, on: bool, column: int) -> None:
         raise LineError(catalogue.CHOOSE_ONE, column, first="#SPLINE ON", second="#HSC ON")
     if state.hsc_on == on:
         return
+    if on and x.setup.no_hsc_at_zero and state.hsc_method is HscMethod.BSPLINE:
+        watched = state.hsc.deviation > 0.0, state.hsc.tracking_deviation > 0.0
+        if not any(watched):
+            return
+        if not all(watched):
+            key, other = ("PATH_DEV", "TRACK_DEV") if watched[1] else ("TRACK_DEV", "PATH_DEV")
+            raise LineError(catalogue.ONE_DEVIATION_ZERO, column, key=key, other=other)
     state.hsc_on = on
     if state.hsc_method is HscMethod.BSPLINE:
         x.emit(SplineChange(x.source, state.hsc if on else None))
