@@ -98,7 +98,8 @@ class DriveImage:
 
     SET_POINTS: Final = (
         "target_position", "target_velocity", "target_torque", "torque_limit", "profile_target", "mode", "enable", "quick_stop",
-        "reset_fault", "halt", "homing_request", "probe_function", "origin", "correction", "digital_out", "analogue_out",
+        "reset_fault", "halt", "homing_request", "probe_function", "origin", "correction", "feed_forward",
+        "digital_out", "analogue_out",
     )  # fmt: skip
     """The arrays that the axes write, for whoever records them."""
     FEEDBACK: Final = (
@@ -120,6 +121,7 @@ class DriveImage:
         self.analogue_out: Floats = np.zeros(ANALOGUE_VALUES)
         self.origin: Floats = np.zeros(n)  # position of the axis where its drive counts 0; changed by homing
         self.correction: Floats = np.zeros(n)  # position of the drive minus that of the axis (backlash, pitch error)
+        self.feed_forward: Floats = np.ones(n)  # share of the feed-forward that the drive is described to get, 0…1
         self.mode: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # DriveMode wanted
         self.target_torque: Floats = np.zeros(n)  # share of the rated torque (torque modes)
         self.torque_limit: Floats = np.full(n, np.inf)  # share of the rated torque; inf: the drive's own limit

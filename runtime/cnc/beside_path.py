@@ -233,9 +233,9 @@ class BesidePath:
         self._follow(path)
 
     def _follow(self, path: Interpolator) -> None:
-        """Where the masters lead their slaves in this cycle."""
+        """Where the masters lead their slaves in this cycle: where they are sent to, behind their filters."""
         self.coupled[:] = 0.0
-        place = path.position
+        place = path.set_point
         for slave, master, ahead, begin in self._couplings:
             self.coupled[slave] = float(place[master]) + ahead - begin
         self._sum()

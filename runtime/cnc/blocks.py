@@ -729,6 +729,14 @@ class Message:
     information: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class FeedForward:
+    """Feed-forward control when the path is here: `shares` (n_axes,) of what the drives are described to get, 0…1."""
+
+    source: Source
+    shares: tuple[float, ...]
+
+
 class TimerCommand(Enum):
     START = "START"
     STOP = "STOP"
@@ -1011,6 +1019,7 @@ Block = (
     | Message
     | TimerAction
     | SpindleSetting
+    | FeedForward
     | AxisJob
     | AxisJobWait
     | ToolLifeAction

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.actual_limits import ActualLimits
+from runtime.cnc.axes.feed_forward import FeedForwardShares
 from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import Spindle
 from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops, Way
@@ -119,6 +120,7 @@ class Channel:
         self.stop_before = stop_before
         self._delete_distance = DeleteDistance(interpolator)
         self.jobs = ProgramJobs(axis_names)
+        self.feed_forward = FeedForwardShares(len(axes), period)
         self.search = BlockSearching(SearchPartner(area.control.block_search_on, area.status))
         self.actual_limits = ActualLimits([axis_names[i] for i in axes])
         self.locked = False  # the axes are not moved in this program (machine lock)
@@ -201,6 +203,7 @@ class Channel:
         self.backward.begin(off=not keeps_path)
         self.interpolator.restart(order.start)
         self.interpolator.begin_filter()
+        self.feed_forward.order(np.zeros(len(self._axes)))
         self.functions.restart()
         self.link.start(order)
         self.phase = Phase.STARTING
@@ -527,6 +530,8 @@ class Channel:
                 self.actual_limits.act(record)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
+            elif record.action is ActionKind.FEED_FORWARD:
+                self.feed_forward.order(self.queue.record(index)["end"][: len(self._axes)])
             elif record.action is ActionKind.DISTANCE_BEGIN:
                 self._distance.begin(index)
             elif record.action is ActionKind.DISTANCE_END:

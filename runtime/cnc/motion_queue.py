@@ -117,6 +117,7 @@ class ActionKind(IntEnum):
     SEARCH_PLACE = 14  # the program goes on here after a block search
     NOTHING = 15  # was something that is left out
     ACTUAL_LIMIT = 16  # POS_LIMIT with ERROR_LR or WARNING
+    FEED_FORWARD = 17  # G135…G137: `end` are the shares of the axes
 
 
 RECORD = np.dtype(

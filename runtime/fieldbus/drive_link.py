@@ -261,9 +261,11 @@ class ExtendedDriveLink(DriveLink):
             self._sent = stand
         self._target, self._speed, self._followed = target, speed, follows
         if self.velocity_feed_forward:
-            out[_VELOCITY_OFFSET] = clamp32(round(self.velocity_feed_forward * speed * scale))
+            share = self.velocity_feed_forward * float(image.feed_forward[self.axis])
+            out[_VELOCITY_OFFSET] = clamp32(round(share * speed * scale))
         if self.torque_feed_forward:
-            torque = round(self.torque_feed_forward * acceleration * PER_MILLE)
+            share = self.torque_feed_forward * float(image.feed_forward[self.axis])
+            torque = round(share * acceleration * PER_MILLE)
             out[_TORQUE_OFFSET] = max(-0x8000, min(0x7FFF, torque))
 
     def _follow(self, image: DriveImage, target: float, speed: float) -> None:

@@ -225,6 +225,9 @@ class Controller:
         self.spindle_orders.step(enabled, image.actual_velocity, active=self.channel.active)
         if self.spindle_orders.problems:
             self._tell_spindles()
+        if self.channel.feed_forward.changing:
+            self.channel.feed_forward.step()
+            image.feed_forward[self._path_axes] = self.channel.feed_forward.shares
         for spindle in self.channel.spindles:
             spindle.step(self.orders.spindle_override(spindle.index), enabled[spindle.index])
             image.target_velocity[spindle.index] = spindle.set_point

@@ -64,6 +64,8 @@ class ModalState:
     speed: float = 0.0  # rev/min of the main spindle
     exact_stop: bool = False  # G360, G359
     contouring: bool = False  # G261, G260
+    feeds_forward: bool = False  # G135, G137
+    feed_forward: tuple[float, ...] = ()  # G136: a share per axis, () is 1 for all of them
     corner_size: float | None = None  # I of G301 and G302, mm
     compensation_side: int = 0  # G40 0, G41 1, G42 -1
     approach: Approach = Approach.INDIRECT

@@ -32,6 +32,7 @@ from runtime.cnc.blocks import (
     DynamicsChange,
     ExactStop,
     ExternalWrite,
+    FeedForward,
     FilterChange,
     Flush,
     FlushKind,
@@ -345,6 +346,9 @@ class QueueWriter:
             case TimerAction():
                 record["kind"], record["action"], record["number"] = RecordKind.ACTION, ActionKind.TIMER, block.timer
                 record["value"] = _TIMER_COMMANDS.index(block.command)
+            case FeedForward():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.FEED_FORWARD
+                record["end"][0, : self._axes] = block.shares
             case SpindleSetting():
                 record["kind"], record["action"], record["spindle"] = (
                     RecordKind.ACTION,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -378,9 +379,9 @@ def test_nothing_is_left_of_a_curve_that_never_began() -> None:
 # ---------------------------------------------------------------------------------------------------- what interrupts it
 
 
-def channel_curve(text: str, setup: DecoderSetup = SETUP, **fields: object) -> Smoothed:
+def channel_curve(text: str, fields: dict[str, Any], setup: DecoderSetup = SETUP) -> Smoothed:
     """A program whose channel begins #HSC [BSPLINE] with other values."""
-    start = replace(HSC_DEFAULT, deviation=0.3, **fields)  # type: ignore[arg-type]
+    start = replace(HSC_DEFAULT, deviation=0.3, **fields)
     return smoothed(text, replace(setup, hsc_start=start))
 
 
@@ -397,9 +398,9 @@ INTERRUPTED = [
 @pytest.mark.parametrize(("name", "fields", "moves", "corner", "at_arc"), INTERRUPTED)
 @pytest.mark.parametrize("joined", list(JoinedBy))
 def test_what_interrupts_the_curve_is_joined_by_contouring(
-    name: str, fields: dict[str, object], moves: str, corner: tuple[float, float], at_arc: bool, joined: JoinedBy
+    name: str, fields: dict[str, Any], moves: str, corner: tuple[float, float], at_arc: bool, joined: JoinedBy
 ) -> None:
-    path = channel_curve(program("#HSC ON [BSPLINE]", moves, "#HSC OFF"), joined=joined, **fields)
+    path = channel_curve(program("#HSC ON [BSPLINE]", moves, "#HSC OFF"), {"joined": joined, **fields})
     smooth_there = joined is JoinedBy.CURVES or (joined is JoinedBy.CURVES_AT_ARCS and at_arc)
     assert (met(path, *corner) > 1e-3) == smooth_there
     assert deviation(path) <= 0.3 + 1e-6
@@ -412,7 +413,7 @@ def test_what_interrupts_the_curve_is_joined_by_contouring(
 @pytest.mark.parametrize("first", ["X10 Y1", "G02 X10 Y0 I5 J0\nG01", "X0 Y0\nX10 Y1"])
 def test_the_first_motion_may_stay_as_it_is(first: str) -> None:
     moves = f"{first}\nX20 Y-3\nX30 Y4\nX40 Y0\nX50 Y2"
-    through = channel_curve(program("#HSC ON [BSPLINE]", moves, "#HSC OFF"), delayed=True)
+    through = channel_curve(program("#HSC ON [BSPLINE]", moves, "#HSC OFF"), {"delayed": True})
     end = (10, 0) if "G02" in first else (10, 1)
     assert met(through, *end) < 1e-9
     assert met(through, 20, -3) > 1e-3
@@ -427,7 +428,7 @@ def test_the_first_motion_may_stay_as_it_is(first: str) -> None:
 def test_a_move_that_mostly_turns_interrupts_the_curve(ratio: float, exact: bool) -> None:
     moves = "X10 Y1\nX12 Y0 C10\nX22 Y4 C10\nX30 Y0\nX40 Y2"
     setup = replace(FIVE, hsc_start=HSC_DEFAULT)
-    path = channel_curve(program("#HSC ON [BSPLINE TRACK_DEV=0]", moves, "#HSC OFF"), setup, most_tracking=ratio)
+    path = channel_curve(program("#HSC ON [BSPLINE TRACK_DEV=0]", moves, "#HSC OFF"), {"most_tracking": ratio}, setup)
     assert (met(path, 10, 1) < 1e-9) == exact
     assert (met(path, 12, 0) < 1e-9) == exact
     assert met(path, 22, 4) > 1e-3

@@ -10,6 +10,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_calls,
     g_coordinates,
     g_feed,
+    g_feed_forward,
     g_manual,
     g_motion,
     g_offsets,
