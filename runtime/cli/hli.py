@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,17 +18,20 @@ from rich.text import Text
 
 from runtime.cli.search_place import HELP, search_order
 from runtime.config.loader import load_machine
+from runtime.diagnostics.errors import Severity
 from runtime.drives import DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
 from runtime.hli.header import c_header
-from runtime.hli.layout import Axis, Channel, Hli, ManualMode, ManualState, SearchState
+from runtime.hli.layout import Axis, Channel, Hli, ManualMode, ManualState, SearchState, State
 from runtime.hli.memory import HliMemory, get_text
 from runtime.hli.operator import Operator
 from runtime.hli.units import LENGTH, PERCENT, RAPID, REV_PER_MIN, SPEED
 
 SPINDLE = 4  # axis_type_r
 KEY_PAUSE = 0.1  # s between two presses of a key that is held
+BEGIN_PATIENCE = 1.0  # s in which a program that cannot begin says so
+BEGIN_LOOK = 0.02
 
 app = typer.Typer(
     help="Look into the interface memory of a running machine, and command it.",
@@ -75,12 +79,12 @@ def watch(
                     return
                 time.sleep(interval)
         if once:
-            Console().print(picture(client.hli, client.running))
+            Console().print(picture(client.hli, client.running, client.starting))
             return
-        with Live(picture(client.hli, client.running), refresh_per_second=1 / interval) as live:
-            while client.running:
+        with Live(picture(client.hli, client.running, client.starting), refresh_per_second=1 / interval) as live:
+            while client.running or client.starting:
                 time.sleep(interval)
-                live.update(picture(client.hli, client.running))
+                live.update(picture(client.hli, client.running, client.starting))
 
 
 @app.command()
@@ -104,10 +108,15 @@ def header(
         output.write_text(c_header())
 
 
-def picture(hli: Hli, running: bool) -> Group:
+def picture(hli: Hli, running: bool, starting: bool = False) -> Group:
     """The tables of `tandem hli watch`."""
     head = hli.head
-    state = "[green]running[/]" if running else "[red]not running: the runtime has ended, these are its last values[/]"
+    if running:
+        state = "[green]running[/]"
+    elif starting:
+        state = "[yellow]starting[/]"
+    else:
+        state = "[red]not running: the runtime has ended, these are its last values[/]"
     title = f"[bold]{escape(get_text(head, 'machine_name_r') or 'tandem')}[/] {state}  cycle {head.cycle_r}"
     parts: list[Table | Text] = [Text.from_markup(title)]
     parts += [_channel_table(hli.channels[i]) for i in range(head.channels_r)]
@@ -185,6 +194,23 @@ def _operate(name: str, action: Callable[[Operator], None]) -> None:
         action(Operator(memory, time.sleep))
 
 
+def _begin(name: str, action: Callable[[Operator], None]) -> None:
+    """`_operate` for what begins a program: if that fails at once, say why and exit with 1."""
+    with HliMemory.attach(name) as memory:
+        hli = memory.hli
+        channel = hli.channels[0]
+        before = int(hli.alarm_count_r)
+        action(Operator(memory, time.sleep))
+        end = time.monotonic() + BEGIN_PATIENCE
+        while time.monotonic() < end and not channel.status.line_r:
+            if channel.control.mode_and_state.state_r == State.ERROR:
+                new = [line for line in alarm_lines(hli) if line.sequence > before and line.severity >= Severity.ERROR]
+                for line in reversed(new):
+                    print(f"{line.id}: {line.text}", file=sys.stderr)
+                raise typer.Exit(1)
+            time.sleep(BEGIN_LOOK)
+
+
 def _on(switch: str) -> bool:
     if switch not in ("on", "off"):
         raise typer.BadParameter("say on or off")
@@ -217,14 +243,14 @@ def start(
     file = Path(program)
     path = str(file.resolve()) if file.is_file() else program
     search = search_order(at, passes, subprogram, covered, feed, automatic=automatic) if at else None
-    _operate(name, lambda operator: operator.start(path, search))
+    _begin(name, lambda operator: operator.start(path, search))
 
 
 @command.command()
 def restart(feed: Feed = 0.0, automatic: Automatic = False, name: Name = "tandem") -> None:
     """Go on with the program that was interrupted, where it was; also after the power was off. See `start --at`."""
     search = search_order("", feed=feed, automatic=automatic)
-    _operate(name, lambda operator: print(operator.restart(search)))
+    _begin(name, lambda operator: print(operator.restart(search)))
 
 
 @command.command()
@@ -296,7 +322,7 @@ def mdi(
     blocks: Annotated[list[str], typer.Argument(help="NC blocks, each one argument in quotes.")], name: Name = "tandem"
 ) -> None:
     """Execute NC blocks (MDI)."""
-    _operate(name, lambda operator: operator.execute("\n".join(blocks)))
+    _begin(name, lambda operator: operator.execute("\n".join(blocks)))
 
 
 @command.command()

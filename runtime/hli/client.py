@@ -145,6 +145,12 @@ class HliClient:
         """The cycle runs and its process lives."""
         return bool(self.hli.head.running_r) and self._memory.owner_alive
 
+    @property
+    def starting(self) -> bool:
+        """The process of the cycle lives, and has not run a cycle yet."""
+        head = self.hli.head
+        return not head.running_r and head.cycle_r == 0 and self._memory.owner_alive
+
     def snapshot(self) -> dict[str, Plain]:
         """See `snapshot`; `running` tells besides whether the owner lives."""
         return {"running": self.running, **snapshot(self.hli)}

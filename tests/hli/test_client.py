@@ -138,8 +138,9 @@ def test_header_is_written(tmp_path: os.PathLike[str]) -> None:
 
 @pytest.fixture
 def cnc(machine: HliMemory) -> Iterator[list[Wish]]:
-    """A CNC that takes orders and refuses a program named no.nc."""
+    """A CNC that takes orders, refuses a program named no.nc, and cannot begin one named gone.nc."""
     channel = machine.hli.channels[0]
+    history = AlarmHistory(machine.hli)
     commands = ChannelCommands(channel, machine.hli.operator[0])
     wishes: list[Wish] = []
     stop = threading.Event()
@@ -151,6 +152,10 @@ def cnc(machine: HliMemory) -> Iterator[list[Wish]]:
                 wishes.append(order.wish)
                 refusal = Problem(catalogue.MODE_RESET_FIRST) if order.wish.parameter == "no.nc" else None
                 commands.modes.answer(refusal)
+                if order.wish.parameter == "gone.nc":
+                    history.add(AlarmLine(0, 6, 7, 300001, Severity.ERROR, "gone.nc: does not exist"))
+                    channel.status.line_r = 0
+                    channel.control.mode_and_state.state_r = State.ERROR
 
     thread = threading.Thread(target=cycle)
     thread.start()
@@ -180,6 +185,22 @@ def test_commands_reach_the_channel(machine: HliMemory, cnc: list[Wish]) -> None
     assert (operator.feedhold_w, operator.single_block_w) == (0, 0)
     result = CliRunner().invoke(app, ["command", "single-block", "perhaps", *name])
     assert result.exit_code == 2
+
+
+def test_a_program_that_cannot_begin_says_why(machine: HliMemory, cnc: list[Wish]) -> None:
+    machine.hli.channels[0].status.line_r = 0
+    result = CliRunner().invoke(app, ["command", "start", "gone.nc", "--name", str(machine.name)])
+    assert result.exit_code == 1
+    assert "300001: gone.nc: does not exist" in result.output
+    assert "304031" not in result.output, "alarms of earlier are not those of this start"
+
+
+def test_a_machine_that_starts_is_not_one_that_has_ended(machine: HliMemory) -> None:
+    head = machine.hli.head
+    head.running_r = False
+    assert "has ended" in run("watch", "--once", "--name", str(machine.name))
+    head.cycle_r = 0
+    assert "starting" in run("watch", "--once", "--name", str(machine.name))
 
 
 def test_a_refused_order_comes_back_with_the_reason(machine: HliMemory, cnc: list[Wish]) -> None:
