@@ -93,6 +93,7 @@ class BesidePath:
         self.commands: ManualCommands | None = None
         self._numbers = {axis.log_axis: k for k, axis in enumerate(axes)}
         self._released_at = [0.0] * len(axes)  # offset when the hand was let in
+        self._reach = [(-math.inf, math.inf)] * len(axes)  # least and greatest offset by hand, in this cycle
         self._gate_begun = False
         self._leaving = False
         self._rank = 0
@@ -312,9 +313,7 @@ class BesidePath:
             homing = self._homing[k]
             hold = inputs.feed_hold or inputs.axis_holds[k]
             if homing.over:
-                least, greatest = self._bounds(
-                    k, hand, float(path.position[k]), float(path.velocity[k]), inputs.limits[k]
-                )
+                least, greatest = self._reach[k] = self._bounds(k, hand, path, inputs.limits[k])
                 hand.step(self._hand(hand, inputs, k, hold), least, greatest)
             else:
                 problem = self._step_homing(k, homing, inputs.alone_override, hold, path, actual) or problem
@@ -377,15 +376,17 @@ class BesidePath:
         return low, math.inf if axis.position_max is None else axis.position_max
 
     def _bounds(
-        self, k: int, hand: ManualAxis, place: float, velocity: float, dynamic: tuple[float, float] | None
+        self, k: int, hand: ManualAxis, path: Interpolator, dynamic: tuple[float, float] | None
     ) -> tuple[float, float]:
         """Of the offset: the software limits as seen from the path, and the relative limits from where the hand was let in."""
+        place, velocity = float(path.position[k]), float(path.velocity[k])
         low, high = self._software_limits(k)
         if dynamic is not None:
             low, high = max(low, dynamic[0]), min(high, dynamic[1])
         if not hand.exclusive and velocity:  # where the path would come to rest
             place += math.copysign(stopping_way(self._described[k], abs(velocity), 1.0 - MANUAL_SHARE), velocity)
-        least, greatest = low - place, high - place
+        sent = float(path.set_point[k])  # a filter keeps it behind the path
+        least, greatest = low - min(place, sent), high - max(place, sent)
         if not hand.exclusive or self._parameters.rel_offset_limits_std_manual_mode:
             begin = self._released_at[k]
             least, greatest = max(least, begin + hand.relative[0]), min(greatest, begin + hand.relative[1])
@@ -406,6 +407,7 @@ class BesidePath:
         for k, axis in enumerate(self._described):
             hand = self.axes[k].motion
             offset = hand.position + math.copysign(stopping_way(axis, abs(hand.velocity), MANUAL_SHARE), hand.velocity)
+            offset = max(self._reach[k][0], min(offset, self._reach[k][1]))  # it brakes before the bounds by itself
             low, high = self._software_limits(k)
             beyond = (ahead.lowest[:, k] + offset < low - _SMALL) | (ahead.highest[:, k] + offset > high + _SMALL)
             if self.by_hand[k] != 0.0 and bool((beyond & near).any()):
