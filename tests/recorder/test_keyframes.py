@@ -90,9 +90,9 @@ def test_a_keyframe_in_a_fault_and_in_a_hold(demo: Machine, tmp_path: Path) -> N
     recorded.start("%P\nN10 G90 G01 X100 F6000 M3 S500\nN20 M30\n")
     operator = recorded.simulation.memory.hli.operator[0]
     with_keyframes(recorded, 0.2, 67)
-    operator.feed_hold_w = True
+    operator.feedhold_w = True
     with_keyframes(recorded, 0.2, 67)
-    operator.feed_hold_w = False
+    operator.feedhold_w = False
     with_keyframes(recorded, 0.1, 67)
     recorded.simulation.nodes.inject(1, Fault.DRIVE)
     with_keyframes(recorded, 0.3, 67)
@@ -136,8 +136,10 @@ def test_keyframes_may_wait_for_standstill(demo: Machine, tmp_path: Path) -> Non
         simulation.cycle()
         moving.append(not simulation.controller.channel.interpolator.standstill)
     assert sum(moving) > 300
+    taken = simulation.controller.cycle_number
+    recorded.run(0.2)  # it is told in the cycles behind it
     recorded.replayed()
-    assert keyframes(recorded.path)[1:] == [simulation.controller.cycle_number]
+    assert keyframes(recorded.path)[1:] == [taken]
 
 
 def test_objects_that_are_shared_are_shared_again_and_other_classes_are_refused() -> None:

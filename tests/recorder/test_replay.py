@@ -89,10 +89,10 @@ def _fault(recorded: Recorded) -> None:
 
 def _feed_hold(recorded: Recorded) -> None:
     operator = recorded.simulation.memory.hli.operator[0]
-    operator.feed_hold_w = True
+    operator.feedhold_w = True
     recorded.run(0.5)
     operator.override_w = 430
-    operator.feed_hold_w = False
+    operator.feedhold_w = False
 
 
 def _plc_killed(recorded: Recorded) -> None:

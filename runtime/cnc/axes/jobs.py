@@ -400,7 +400,7 @@ class AxisJobs:
         """The job begins when the present one is done."""
         return (
             job.buffer_mode is not BufferMode.ABORTING
-            and job.function is not AxisFunction.STOP
+            and job.function not in (AxisFunction.STOP, *SUPERIMPOSED)
             and self.current is not None
             and self.current.open
         )

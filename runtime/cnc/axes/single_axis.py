@@ -105,7 +105,14 @@ class SingleAxis:
         self._take(dynamics)
 
     def set_limits(self, least: float, greatest: float) -> None:
-        """Other software limits from now on. Outside of them the axis may only go back in."""
+        """Other software limits from now on. Outside of them the axis may only go back in.
+
+        An axis in motion that cannot come to rest inside of them gets them where it can.
+        """
+        if not self.standstill:
+            plan_speed(self._spare, self._state, 0.0, self._limits)
+            low, high, *_ = self._spare.extrema()
+            least, greatest = min(least, low), max(greatest, high)
         self._least, self._greatest = least, greatest
         if self.goal is Goal.POSITION and self._inside(self.target) != self.target:
             self.target, self.limited, self._end_velocity = self._inside(self.target), True, 0.0

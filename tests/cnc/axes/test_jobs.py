@@ -396,6 +396,17 @@ def test_a_probe_records_the_place_of_its_edge() -> None:
     assert rig.jobs.probe.input == 0
 
 
+def test_an_added_way_beyond_the_limit_is_refused_with_any_buffer_mode() -> None:
+    rig = Rig()
+    rig.give(F.MOVE_VELOCITY, velocity=60.0, direction=Direction.NEGATIVE)
+    rig.step(500)
+    for mode in BufferMode:
+        added = rig.give(F.MOVE_SUPERIMPOSED, position=LEAST, velocity=10.0, buffer_mode=mode)
+        assert added.answer.error == 308006
+        rig.step(10)
+    rig.assert_limits()
+
+
 # --------------------------------------------------------------------------------------------- laws
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -175,6 +176,20 @@ def test_limits_that_move_in_brake_the_axis() -> None:
 
 
 # ------------------------------------------------------------------ wrong values
+
+
+@pytest.mark.parametrize("least", [-5.0, 10.0, 30.0])
+def test_limits_that_are_moved_too_near_are_where_the_axis_can_stop(least: float) -> None:
+    """Going down at 200 mm/s it needs some 15 mm; it neither jumps nor freezes, and does not come back by itself."""
+    axis = make_axis(-500.0, 500.0, 100.0)
+    axis.move_at(-200.0)
+    places = run(axis, 500)
+    assert places[-1] == pytest.approx(10.0, abs=6.0)
+    axis.set_limits(least, 500.0)
+    places += until_rest(axis)
+    acceleration = np.diff(places, 2) / PERIOD**2
+    assert np.abs(acceleration).max() <= LIMITS.acceleration * 1.001
+    assert axis.position == min(places)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])

@@ -181,9 +181,9 @@ def test_without_a_choice_the_built_in_ones_hold() -> None:
 
 
 @G_AT_START
-@pytest.mark.parametrize("number", [51, 135, 141])
+@pytest.mark.parametrize("number", [51, 141])
 def test_what_the_language_does_not_have_is_refused_by_name_at_program_start(number: int) -> None:
-    group = {51: 8, 135: 21, 141: 32}[number]
+    group = {51: 8, 141: 32}[number]
     run = begun("G01 F1000 X10\nM30", f"prog_start: {{g_gruppe: {{{group}: {{nr: {number}}}}}}}")
     assert run.problem is not None
     assert f"G{number}" in run.problem.text
