@@ -838,6 +838,37 @@ class ChannelStatus(c.Structure):
     ]
 
 
+class ErrorRecord(c.Structure):
+    """An error of the CNC. `body_type_r`: 1 it belongs to an NC program, which `program_r` and `line_r` name, 9 it does not."""
+
+    _fields_ = [
+        ("time_ns_r", c.c_uint64),  # wall clock, nanoseconds since 1970
+        ("cycle_r", c.c_uint64),
+        ("error_id_r", c.c_uint32),
+        ("severity_r", c.c_uint32),  # 0 message, 1 warning, 2 error, 3 fatal
+        ("reaction_r", c.c_uint32),  # what the machine does because of it, as the error catalogue counts
+        ("axis_r", c.c_int32),  # logical axis number, 0 = none
+        ("body_type_r", c.c_uint32),
+        ("line_r", c.c_uint32),
+        ("program_r", c.c_char * TEXT),
+        ("text_r", c.c_char * TEXT),
+    ]
+
+
+class ErrorUnit(c.Structure):
+    """Errors of the CNC for the PLC, one at a time: the CNC fills the record and raises the flag, the PLC copies and lowers it.
+
+    `left_out_r`: those for which there was no room as the PLC took none; the alarm history has them.
+    """
+
+    _fields_ = [
+        ("message_r", ErrorRecord),
+        ("sequence_r", c.c_uint32),
+        ("left_out_r", c.c_uint32),
+        ("semaphor_rw", c.c_bool),
+    ]
+
+
 class Channel(c.Structure):
     """One NC channel."""
 
@@ -856,6 +887,7 @@ class Channel(c.Structure):
         ("used_units_late_sync_r", c.c_uint16),
         ("techno_unit_late_sync", TechnologyUnit * TECHNO_UNITS),  # demanded in a later block: MVS_SLM, MVS_SLP
         ("msg_mc_control", MessageUnit),
+        ("mc_error", ErrorUnit),
         ("tool_management", ToolManagementUnit),
         ("tool_life", ToolLifeUnit),
     ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 
 from runtime.hli.axis_jobs import JobGiver
+from runtime.hli.error_messages import ErrorMessage, ErrorTaker
 from runtime.hli.layout import (
     KEYS,
     MAX_AXES,
@@ -267,6 +268,7 @@ class ChannelPort(_Area):
         self._handwheels = channel.control.manual.handwheel_w
         self._activations: deque[tuple[int, int, int, int]] = deque(maxlen=MAX_AXES)
         self._messages = MessageTaker(channel)
+        self._errors = ErrorTaker(channel)
         self._told: deque[tuple[str, bool]] = deque()  # messages that the CNC has still to take
         self.tools = ToolStore(channel)  # for an external tool management: requests, answers, tool life
         self._waiting: Wish | None = None
@@ -358,6 +360,11 @@ class ChannelPort(_Area):
         """The message of the NC program that waits for this program. After ten that nobody takes the path stops."""
         offered = self._messages.offered()
         return None if offered is None else NcMessage(self._messages, offered)
+
+    def take_error(self) -> ErrorMessage | None:
+        """The next error, warning or notice of the CNC, oldest first; None if there is none. 32 wait for a program that takes
+        none, later ones are in the alarm history only."""
+        return self._errors.take()
 
     def tell(self, text: str, *, information: bool = False) -> bool:
         """A message for whoever operates the channel, in journal and trace; `information`: it is no text for people.

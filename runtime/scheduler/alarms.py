@@ -1,4 +1,4 @@
-"""Alarms: from a problem to the HLI's history and to an event for the journal."""
+"""Alarms: from a problem to the HLI's history, to the PLC, and to an event for the journal."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from collections.abc import Callable, Iterable
 from runtime.diagnostics.errors import Problem, Severity
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.hli.alarms import AlarmHistory, AlarmLine, alarm_lines
+from runtime.hli.error_messages import ErrorMessage, ErrorPort
 from runtime.hli.layout import Hli
 from runtime.hli.memory import get_text
 from runtime.scheduler.retained import RetainedAlarm
 
 
 class AlarmList:
-    """Writes the alarm history of the HLI and tells the event ring.
+    """Writes the alarm history of the HLI, tells the event ring, and the PLC by `to_plc`, which is polled in each cycle.
 
     `wall_clock` gives nanoseconds since 1970 and is only stored, never computed with.
     """
@@ -21,6 +22,7 @@ class AlarmList:
     def __init__(self, hli: Hli, events: EventRing, wall_clock: Callable[[], int]) -> None:
         self._hli = hli
         self._history = AlarmHistory(hli)
+        self.to_plc = ErrorPort(hli.channels[0])
         self._events = events
         self._wall_clock = wall_clock
         self.on_problem: Callable[[Problem], None] | None = None  # simulation: the problems themselves
@@ -47,15 +49,23 @@ class AlarmList:
                 text=text,
             )
         )
+        time_ns = self._wall_clock()
+        number = self._hli.axes[axis].log_ax_n_r if axis >= 0 else 0
+        entry, place = problem.entry, problem.place
+        self.to_plc.put(
+            ErrorMessage(
+                entry.id, problem.text, entry.severity, entry.reaction, number, place.file, place.line, time_ns, cycle
+            )
+        )
         return self._history.add(
             AlarmLine(
                 sequence=0,
-                time_ns=self._wall_clock(),
+                time_ns=time_ns,
                 cycle=cycle,
                 id=problem.entry.id,
                 severity=problem.entry.severity,
                 text=text,
-                axis=self._hli.axes[axis].log_ax_n_r if axis >= 0 else 0,
+                axis=number,
                 line=problem.place.line,
                 active=problem.entry.severity >= Severity.ERROR,
             )

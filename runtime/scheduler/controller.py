@@ -197,6 +197,7 @@ class Controller:
             self.compensation.step()
         self.orders.show_limits(self.channel)
         self.publisher.status(self.orders.inputs.override)
+        self.alarms.to_plc.poll()
         if self.references.axes:
             self.references.step()
         self.drives.write()
