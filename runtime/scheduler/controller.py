@@ -63,6 +63,8 @@ _PARKED_WAY = 1e-6  # mm, degrees: more than that is a motion
 _UNREFERENCED = (Mode.MANUAL, Mode.HOMING)  # modes that need no reference
 _SERVICE_EVERY = 64  # cycles between two looks at what the service process says
 RESET_TIME = 0.5  # s that the drives get to leave their fault
+SETTLED = 0.05  # s that the axes stand in position before their drives are switched off
+_SETTLED_AT_LAST = 1.0  # s until that is no longer waited for: an axis may be held by what it has run into
 _FAULTS = {
     FAULT_DRIVE: alarms.DRIVE_FAULT,
     FAULT_OFFLINE: alarms.DRIVE_OFFLINE,
@@ -168,6 +170,7 @@ class Controller:
         self._not_retained = 0  # number of the alarm, 0 none
         self._astray: set[int] = set()  # path axes that were lost while the program ran
         self._stopping = False
+        self._rested = self._in_place = 0.0  # s since the set-points rest, and since the axes are where these say
         self._moving_before = False
 
     # ------------------------------------------------------------------ the cycle
@@ -324,7 +327,7 @@ class Controller:
     def _watch_axes(self) -> None:
         image = self.drives.image
         self._follow_states()
-        wanted = self._none_on if self._stopping and self._at_rest() else self.orders.drives_on
+        wanted = self._none_on if self._stopping and self._at_rest() and self._settled() else self.orders.drives_on
         while image.events:  # before the axes are judged: the bus knows the cause
             event = image.events.popleft()
             problem = problem_of(event, self.machine)
@@ -513,6 +516,7 @@ class Controller:
     def stop(self) -> None:
         """Bring everything to rest: the path brakes, the spindles stop, then the drives are switched off."""
         self._stopping = True
+        self._rested = self._in_place = 0.0
         self.channel.reset()
         self.jobs.stop("the machine is switched off")
 
@@ -521,6 +525,16 @@ class Controller:
         """After `stop`: everything is at rest and no drive is enabled."""
         states = self.drives.image.state
         return self._stopping and self._at_rest() and not bool((states == DriveState.OPERATION_ENABLED).any())
+
+    def _settled(self) -> bool:
+        """The set-points rest, and the axes have come to where these say; one cycle of looking at it."""
+        if self._in_place > SETTLED or self._rested > _SETTLED_AT_LAST:
+            return True  # for good: what is switched off is no longer where it was told to be
+        supervision = self.supervision
+        self._rested += self._period
+        there = bool((supervision.in_position | supervision.spindles | ~supervision.enabled).all())
+        self._in_place = self._in_place + self._period if there else 0.0
+        return False
 
     def _at_rest(self) -> bool:
         image = self.drives.image

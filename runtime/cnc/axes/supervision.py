@@ -125,6 +125,7 @@ class AxisSupervision:
         self.lag: Floats = np.zeros(n)  # following error
         self.faults: npt.NDArray[np.int8] = np.zeros(n, dtype=np.int8)  # 0 or FAULT_*, kept until reset
         self._linear: Flags = np.array([axis.type is not AxisType.SPINDLE for axis in machine.axes])
+        self.spindles: Flags = ~self._linear  # (n,)
         self._lag_limit: Floats = np.array([axis.following_error for axis in machine.axes])
         self.window: Floats = np.array([axis.in_position for axis in machine.axes])  # of standstill
         self.lag_monitored: Flags = np.ones(n, dtype=np.bool_)  # whose following error raises a fault
