@@ -1,10 +1,8 @@
-"""Errors of the CNC on their way to the PLC (hli.mech.error-cnc-to-plc)."""
+"""Errors of the CNC on their way to the PLC. Filters of errors (P-CHAN-00380 …) are not there."""
 
 from __future__ import annotations
 
 from pathlib import Path
-
-import pytest
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
@@ -15,14 +13,11 @@ from runtime.plc_logic.areas import ChannelPort
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
 
-SPEC = pytest.mark.spec("hli.mech.error-cnc-to-plc")
-
 
 def message(number: int) -> ErrorMessage:
     return ErrorMessage(number, f"error {number}", Severity.ERROR, Reaction.STOP_ON_PATH, axis=3)
 
 
-@SPEC
 def test_one_waits_until_it_is_taken_and_the_next_follows() -> None:
     memory = HliMemory.private()
     channel = memory.hli.channels[0]
@@ -43,7 +38,6 @@ def test_one_waits_until_it_is_taken_and_the_next_follows() -> None:
     assert taker.take() is None
 
 
-@SPEC
 def test_of_too_many_the_first_ones_are_kept_and_nobody_gets_what_is_old() -> None:
     memory = HliMemory.private()
     channel = memory.hli.channels[0]
@@ -64,7 +58,6 @@ def test_of_too_many_the_first_ones_are_kept_and_nobody_gets_what_is_old() -> No
     assert channel.mc_error.left_out_r == 5
 
 
-@SPEC
 def test_the_plc_is_told_what_the_machine_and_the_program_have(demo: Machine, tmp_path: Path) -> None:
     driven = Driven(demo, tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
     port = ChannelPort(driven.hli.channels[0])
