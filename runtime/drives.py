@@ -148,9 +148,8 @@ class DriveImage:
         self.probe_position: Floats = np.zeros((n, 4))  # of the axis: probe 1 rising, falling, probe 2 rising, falling
         self.digital_in: npt.NDArray[np.uint8] = np.zeros(DIGITAL_BYTES, dtype=np.uint8)
         self.analogue_in: Floats = np.zeros(ANALOGUE_VALUES)  # in the unit of the machine description
-        self.analogue_valid: Flags = np.zeros(
-            ANALOGUE_VALUES, dtype=np.bool_
-        )  # the node is there, and the value within its range
+        # The node is there, and the value within its range.
+        self.analogue_valid: Flags = np.zeros(ANALOGUE_VALUES, dtype=np.bool_)
         self.identity: npt.NDArray[np.uint32] = np.zeros((n, 3), dtype=np.uint32)  # vendor, product, serial (0x1018)
         self.events: deque[DriveEvent] = deque(maxlen=64)
         # figures for the metrics
@@ -213,9 +212,8 @@ class IdealDrives:
         """`period`: of the cycle, s."""
         self.image = DriveImage(n)
         self._period = period
-        self._driven = (
-            False  # a drive moves by itself: by its velocity, as all modes that can be ordered beside its own do here
-        )
+        # A drive moves by itself: by its velocity, as all modes that can be ordered beside its own do here.
+        self._driven = False
         self._enabled: Flags = np.zeros(n, dtype=np.bool_)
         self._orders_before = b""
         if initial_position is not None:

@@ -85,9 +85,8 @@ class BesidePath:
         self.by_hand: Floats = np.zeros(len(axes))  # the offsets of hand and homing
         self.alone = IndependentAxes(axes, period)
         self.coupled: Floats = np.zeros(len(axes))  # the ways of masters that axes follow
-        self._couplings: list[
-            tuple[int, int, float, float]
-        ] = []  # slave, master, how far it is ahead, its place on the path
+        # Slave, master, how far it is ahead, its place on the path.
+        self._couplings: list[tuple[int, int, float, float]] = []
         self.offset: Floats = np.zeros(len(axes))  # all of them
         self.engaged = False  # an offset, or something that makes one
         self.commands: ManualCommands | None = None

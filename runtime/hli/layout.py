@@ -970,10 +970,8 @@ class AxisControl(c.Structure):
         ("spdl_error", BoolUnit),  # the PLC reports an error: it stops, and takes no order
         ("override", Uns32Unit),  # spindles and axes moved alone, 0.1 %
         ("override_valid", BoolUnit),
-        (
-            "torque_limit",
-            Uns32Unit,
-        ),  # 0.1 % of the rated torque; `state_r`: that in force, 4294967295: none of the machine
+        # 0.1 % of the rated torque; `state_r`: that in force, 4294967295: none of the machine
+        ("torque_limit", Uns32Unit),
         ("torque_limit_valid", BoolUnit),  # it counts while this is TRUE
     ]
 
