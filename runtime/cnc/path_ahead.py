@@ -16,7 +16,8 @@ Floats = npt.NDArray[np.float64]
 class PathAhead(NamedTuple):
     """k elements from the one in work on. `distance` (k,): way until each begins, mm, not above 0 for the one in work.
 
-    `lowest`, `highest` (k, n_axes): a box around each; that of an arc contains its whole circle.
+    `lowest`, `highest` (k, n_axes): a box around each, of a line in work around the rest of it; that of an arc contains its whole
+    circle.
     """
 
     distance: Floats
@@ -36,8 +37,12 @@ def path_ahead(path: Interpolator, most: int) -> PathAhead | None:
     if not len(records):
         return None
     n = queue.n_axes
-    lowest = np.minimum(records["start"][:, :n], records["end"][:, :n])
-    highest = np.maximum(records["start"][:, :n], records["end"][:, :n])
+    in_work = queue.kind(begin) <= RecordKind.POLYNOMIAL and path.index == begin
+    starts = records["start"][:, :n].copy()
+    if in_work and records["kind"][0] == RecordKind.LINE:
+        starts[0] = path.position  # what is behind it no longer counts
+    lowest = np.minimum(starts, records["end"][:, :n])
+    highest = np.maximum(starts, records["end"][:, :n])
     for i in np.flatnonzero(records["kind"] == RecordKind.ARC).tolist():
         arc = records[i]
         axes = (int(arc["axis0"]), int(arc["axis1"]))
@@ -47,6 +52,6 @@ def path_ahead(path: Interpolator, most: int) -> PathAhead | None:
             lowest[i, axis], highest[i, axis] = middle - radius, middle + radius
     lengths = records["length"]
     distance = np.cumsum(lengths) - lengths
-    if queue.kind(begin) <= RecordKind.POLYNOMIAL:  # it is in work
-        distance -= lengths[0] - path.remaining if path.index == begin else 0.0
+    if in_work:
+        distance -= lengths[0] - path.remaining
     return PathAhead(distance, lowest, highest)

@@ -14,11 +14,12 @@ from runtime.config.fir_filter import FilterType, FirFilter
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import smoothing as catalogue
 from runtime.diagnostics.events import EventKind
-from runtime.hli.layout import StopCondition
+from runtime.hli.layout import ManualMode, StopCondition
 from tests.cnc.decoder.programs import SETUP, decode
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
 from tests.machine.test_backward_motion import at_begin, backward
+from tests.machine.test_modes import Hand, place
 from tests.recorder.test_keyframes import assert_same_from_each, with_keyframes
 from tests.recorder.test_replay import Recorded
 
@@ -325,3 +326,22 @@ def test_without_a_filter_there_is_nothing_to_switch_on() -> None:
     assert problem is not None
     assert problem.entry is catalogue.NO_FILTER
     assert decode("#FILTER OFF\nM30", SETUP).problem is None
+
+
+def test_a_hand_beside_a_filtered_path_keeps_the_software_limit(demo: Machine, tmp_path: Path) -> None:
+    driven = Watched(filtered(demo, GAUSSIAN), tmp_path)
+    hand = Hand(driven)
+    driven.start(
+        "%H\nN5 G90 G01 F6000 X-45\nN10 #FILTER ON [ORDER=160]\nN15 G201 X1\nN20 G04 X2\nN25 G01 F24000 X300\nN30 M30\n"
+    )
+    driven.until(lambda: place(driven) == -45.0)
+    driven.watch(300)
+    hand.parameter("continuous_parameter", 1, velocity=300.0)
+    hand.link(1, 1, ManualMode.CONTINUOUS)
+    hand.press(1, 0)
+    hand.press(1, -1)
+    driven.watch(3000)
+    hand.press(1, 0)
+    driven.until_done()
+    assert driven.alarms == []
+    assert driven.places[:, 0].min() == pytest.approx(-50.0, abs=1e-6)
