@@ -146,7 +146,10 @@ class Disk:
         ]
         command = base_command(self._kernel, self.folder)
         command += ["-drive", f"file={self._disk},format=raw,if=virtio,cache=writeback"]
-        start_and_wait([*command, *(word for words in shares for word in words)], limit, asked, cut)
+        command += [word for words in shares for word in words]
+        played = start_and_wait(command, limit, asked, cut)
+        if not played and part != "first":  # a crash of the emulator is one more loss of power
+            start_and_wait(command, limit, asked, cut)
         return result_of(self.folder)
 
 
@@ -183,8 +186,11 @@ def share(tag: str, path: Path, *, readonly: bool = False) -> list[str]:
     return ["-virtfs", options + (",readonly=on" if readonly else "")]
 
 
-def start_and_wait(command: list[str], limit: float, asked: Path | None = None, cut: float | None = None) -> None:
-    """Until the machine switches itself off, or the limit (s) is over; or until `cut` s after the file `asked` is there."""
+def start_and_wait(command: list[str], limit: float, asked: Path | None = None, cut: float | None = None) -> bool:
+    """Until the machine switches itself off, or the limit (s) is over; or until `cut` s after the file `asked` is there.
+
+    FALSE if the emulator has crashed.
+    """
     end = time.monotonic() + limit
     with subprocess.Popen(command, stdin=subprocess.DEVNULL) as process:
         while process.poll() is None:
@@ -194,8 +200,10 @@ def start_and_wait(command: list[str], limit: float, asked: Path | None = None, 
             if time.monotonic() > end:
                 break
             time.sleep(0.1)
+        crashed = process.poll() is not None and process.returncode < 0
         if process.poll() is None:
             process.send_signal(signal.SIGKILL)
+    return not crashed
 
 
 def result_of(folder: Path) -> GuestRun:
