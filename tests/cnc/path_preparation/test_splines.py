@@ -394,7 +394,6 @@ INTERRUPTED = [
 ]
 
 
-@pytest.mark.spec("chan.hsc.bspline")
 @pytest.mark.parametrize(("name", "fields", "moves", "corner", "at_arc"), INTERRUPTED)
 @pytest.mark.parametrize("joined", list(JoinedBy))
 def test_what_interrupts_the_curve_is_joined_by_contouring(
@@ -409,7 +408,6 @@ def test_what_interrupts_the_curve_is_joined_by_contouring(
     assert any(j.turn > 1e-2 for j in near) != smooth_there
 
 
-@pytest.mark.spec("chan.hsc.bspline")
 @pytest.mark.parametrize("first", ["X10 Y1", "G02 X10 Y0 I5 J0\nG01", "X0 Y0\nX10 Y1"])
 def test_the_first_motion_may_stay_as_it_is(first: str) -> None:
     moves = f"{first}\nX20 Y-3\nX30 Y4\nX40 Y0\nX50 Y2"
@@ -423,7 +421,6 @@ def test_the_first_motion_may_stay_as_it_is(first: str) -> None:
     assert ends_meet(through.blocks) < 1e-9
 
 
-@pytest.mark.spec("chan.hsc.bspline")
 @pytest.mark.parametrize(("ratio", "exact"), [(2.0, True), (20.0, False)])
 def test_a_move_that_mostly_turns_interrupts_the_curve(ratio: float, exact: bool) -> None:
     moves = "X10 Y1\nX12 Y0 C10\nX22 Y4 C10\nX30 Y0\nX40 Y2"
