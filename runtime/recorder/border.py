@@ -80,7 +80,8 @@ def _count_ahead(kinds: Numbers, first: int, end: int, kind: int) -> int:
 
 @warms("border of the cycle")
 def _warm() -> None:
-    _count_ahead(np.zeros((1, 2), dtype=np.int64)[:, 0], 0, 1, 7)
+    # a column of several rows: that of one row counts as contiguous, which those of the queue are not
+    _count_ahead(np.zeros((2, 2), dtype=np.int64)[:, 0], 0, 1, 7)
 
 
 class Border:

@@ -56,7 +56,7 @@ def stage_records(
 @warms("keyframes of the recorder")
 def _warm() -> None:
     words = np.zeros((1, 2), dtype=np.int64)
-    kinds = np.zeros((1, 2), dtype=np.int64)[:, 0]
+    kinds = np.zeros((2, 2), dtype=np.int64)[:, 0]  # not contiguous, as those of the queue
     stage_records(words, words, kinds, 0, 1, np.zeros(8, dtype=np.int64), 0)
 
 

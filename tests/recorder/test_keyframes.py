@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,10 @@ import pytest
 from runtime.cnc.axes.single_axis import SingleAxis
 from runtime.config.machine import Machine
 from runtime.fieldbus.simulator.drive import Fault
+from runtime.kernels import warm_up
+from runtime.recorder import border
 from runtime.recorder.file import RecordingError, RecordingFile, RecordingWriter
+from runtime.recorder.keyframes import stage_records
 from runtime.recorder.noting import StateNotes
 from runtime.recorder.record import GAP, KEYFRAME, Section
 from runtime.recorder.state import Outside, StateError, restore
@@ -98,6 +102,18 @@ def test_a_keyframe_in_a_fault_and_in_a_hold(demo: Machine, tmp_path: Path) -> N
     with_keyframes(recorded, 0.3, 67)
     assert recorded.simulation.problems
     assert_same_from_each(recorded, tmp_path, 3)
+
+
+def test_the_cycle_compiles_nothing(demo: Machine, tmp_path: Path) -> None:
+    """Each kernel of the border is warmed with what the cycle calls it with: one signature, whatever was recorded."""
+    warm_up()
+    recorded = Recorded(demo, tmp_path, ideal_axes=True)
+    recorded.start(PART)
+    with_keyframes(recorded, 0.3, 50)
+    recorded.simulation.close()
+    kernels: tuple[Any, ...] = (border._count_ahead, stage_records)
+    for kernel in kernels:
+        assert len(kernel.signatures) == 1, kernel.signatures
 
 
 def test_a_gap_is_gone_over_at_the_next_keyframe(demo: Machine, tmp_path: Path) -> None:
