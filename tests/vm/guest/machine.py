@@ -51,6 +51,7 @@ def on_two_buses(channel: str, fast: str) -> dict[str, Any]:
     machine["fieldbus"]["buses"] = {"fast": {**machine["fieldbus"]["bus"], "channel": fast, "fd": True}}
     machine["axes"][1]["drive"] |= {"bus": "fast", "node": machine["axes"][0]["drive"]["node"]}
     machine["axes"][2]["drive"] |= {"bus": "fast"}
+    machine["state_directory"] += "-two-buses"  # a machine of its own: its axes have never stood elsewhere
     return machine
 
 
