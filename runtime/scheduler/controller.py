@@ -9,6 +9,7 @@ wrong in it becomes an alarm and the reaction that the catalogue gives it.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -71,6 +72,7 @@ _FAULTS = {
     FAULT_LAG: alarms.FOLLOWING_ERROR,
     FAULT_DROPPED: alarms.AXIS_TRACKING,
 }
+_FAULTS_APART = {kind: replace(entry, reaction=Reaction.QUICK_STOP) for kind, entry in _FAULTS.items()}
 
 
 def _repeated_stops(parameters: ChannelParameters) -> RepeatedStops:
@@ -108,6 +110,7 @@ class Controller:
         self._path_axes = np.array([machine.axis_index(name) for name in described.axes])
         self._path_list: list[int] = self._path_axes.tolist()
         path_axes = [machine.axes[i] for i in self._path_list]
+        self._stop_apart = described.parameters.independent_axis_error_stop
         period = self._period = machine.cycle.period
         filters = [axis.fir_filter for axis in path_axes]
         self.interpolator = Interpolator(queue, AxisLimits.of(path_axes), period, np.zeros(len(path_axes)), filters)
@@ -379,9 +382,12 @@ class Controller:
                 return
 
     def _axis_fault(self, fault: AxisFault) -> None:
+        """The faulty axis brakes by its drive; the others on the path, or (P-CHAN-00218) each by its drive as well."""
         axis = self.machine.axes[fault.axis]
+        apart = self._stop_apart and fault.axis in self._path_list
+        entry = (_FAULTS_APART if apart else _FAULTS)[fault.kind]
         if self._told[fault.axis] and fault.kind != FAULT_LAG:
-            self._react(_FAULTS[fault.kind])
+            self._react(entry)
             return
         values: dict[str, object] = {
             "axis": axis.name,
@@ -389,7 +395,7 @@ class Controller:
             "lag": fault.value,
             "limit": axis.following_error,
         }
-        self.alarm(Problem(_FAULTS[fault.kind], values), fault.axis)
+        self.alarm(Problem(entry, values), fault.axis)
 
     def _watch_plc(self) -> None:
         plc = self.plc

@@ -270,3 +270,60 @@ def test_a_reset_at_once_after_a_following_error_does_not_make_the_axis_jump(dem
     driven.until(driven.simulation.ready, 2.0)
     driven.until(lambda: driven.state() is State.SELECTED, 2.0)
     driven.simulation.close()
+
+
+@pytest.mark.spec("chan.axis-error-stop")
+@pytest.mark.parametrize("fault", [Fault.FOLLOWING_ERROR, Fault.DRIVE])
+@pytest.mark.parametrize("apart", [False, True])
+def test_after_an_axis_error_the_others_stop_on_the_path_or_each_by_its_drive(
+    demo: Machine, tmp_path: Path, fault: Fault, apart: bool
+) -> None:
+    """independent_axis_error_stop (P-CHAN-00218). LONG_LINE leads X twice as far as Y, from (0, 0)."""
+    channel = demo.channels[0]
+    parameters = channel.parameters.model_copy(update={"independent_axis_error_stop": apart})
+    described = demo.model_copy(update={"channels": [channel.model_copy(update={"parameters": parameters})]})
+    driven = Driven(described, tmp_path)
+    driven.start(LONG_LINE)
+    driven.until_x(60.0)
+    driven.forget()
+    driven.simulation.nodes.inject(1, fault)
+    driven.until(lambda: driven.channel.error is not None, 2.0)
+    at_alarm = len(driven.targets)
+    driven.watch(AFTER)
+    assert driven.state() is State.ERROR
+    assert not any(driven.moving(axis) for axis in (X, Y, Z))
+    braking = np.array(driven.states)[at_alarm:, Y]
+    assert (DriveState.QUICK_STOP_ACTIVE in braking) is apart
+    if not apart:
+        driven.assert_brakes_within_limits([Y, Z])
+    before = driven.place_of(Y)
+
+    driven.simulation.nodes.heal(1)
+    driven.watch(500)
+    driven.reset()
+    driven.watch(1200)
+    assert driven.state() is State.SELECTED
+    assert driven.place_of(Y) == pytest.approx(before, abs=1e-3), "the position is kept"
+    driven.start(SECOND)
+    driven.until_done()
+    driven.watch(200)
+    assert [driven.place_of(axis) for axis in (X, Y, Z)] == pytest.approx([30.0, 15.0, 5.0], abs=2e-4)
+    driven.simulation.close()
+
+
+@pytest.mark.spec("chan.axis-error-stop")
+def test_an_error_of_a_spindle_never_takes_the_axes_off_the_path(demo: Machine, tmp_path: Path) -> None:
+    """P-CHAN-00218 is about axes."""
+    channel = demo.channels[0]
+    parameters = channel.parameters.model_copy(update={"independent_axis_error_stop": True})
+    described = demo.model_copy(update={"channels": [channel.model_copy(update={"parameters": parameters})]})
+    driven = Driven(described, tmp_path)
+    driven.start(LONG_LINE)
+    driven.until_x(60.0)
+    driven.forget()
+    driven.simulation.nodes.inject(6, Fault.DRIVE)
+    driven.until(lambda: driven.channel.error is not None, 2.0)
+    driven.watch(AFTER)
+    assert not any(driven.moving(axis) for axis in (X, Y, Z))
+    driven.assert_brakes_within_limits([X, Y, Z])
+    driven.simulation.close()

@@ -304,6 +304,9 @@ class ChannelParameters(Model):
     curve_dynamic_weighting_active: bool = False  # P-CHAN-00230
     curve_dynamic_weighting: dict[int, RadiusWeight] = Field(default_factory=dict)
     exact_stop_after_g00: bool = False  # P-CHAN-00235
+    independent_axis_error_stop: bool = (
+        False  # P-CHAN-00218, a faulty axis makes all axes leave the path on their own ramps
+    )
     hsc: HscParameters = HscParameters()
     g00_override_mode: Literal["NOT_USED", "MINIMUM_OF_G0_G1", "ACTIVE", "ACTIVE_EXTENDED"] = "NOT_USED"  # P-CHAN-00181
     plc_command_rapid_feed: bool = False  # P-CHAN-00102, a feed of the PLC acts on rapid moves, too

@@ -178,7 +178,7 @@ ROWS = (
     P(217, "hsc.gen.on_delay_output_one_block", "BOOLEAN", "", False, 6034,
       "1 = splining starts one motion block after HSC selection", use=Use.USED),
     P(218, "independent_axis_error_stop", "BOOLEAN", "", False, 6291,
-      "After an axis error: 0 healthy axes stop on path, 1 all individually"),
+      "After an axis error: 0 healthy axes stop on path, 1 all individually", use=Use.USED),
     P(220, "edge_machining.enable", "BOOLEAN", "", False, 6820,
       "1 = edge machining active", aliases=("edge_machining.f_enable",)),
     P(221, "edge_machining.angle_limit", "UNS32", "0..1800000", 0, 6831,
