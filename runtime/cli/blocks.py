@@ -13,7 +13,7 @@ import typer
 
 from runtime.cli.explained import explained
 from runtime.cnc.block_json import rows
-from runtime.cnc.decoder import DIALECTS, ChannelMemory, Decoder, DecoderSetup, ProgramError, load_program, located
+from runtime.cnc.decoder import DIALECTS, ChannelMemory, DecoderSetup, ProgramError, decoder_of, load_program, located
 from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import TandemError
@@ -25,7 +25,7 @@ def command(
     config: Annotated[
         Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    dialect: Annotated[str, typer.Option(help=f"Dialect of the program: {' or '.join((*DIALECTS, 'nct'))}.")] = "isg",
+    dialect: Annotated[str, typer.Option(help=f"Dialect of the program: {' or '.join(DIALECTS)}.")] = "isg",
 ) -> None:
     """Print the blocks of a program as JSON lines. Errors go to standard error; exit code 1 if there are any."""
     try:
@@ -37,7 +37,7 @@ def command(
         _tell(error)
         raise typer.Exit(1) from None
     try:
-        decoder = Decoder(program, setup, start=np.zeros(len(setup.axes)), memory=memory)
+        decoder = decoder_of(program, setup, start=np.zeros(len(setup.axes)), memory=memory)
         for block in ToolRadiusCompensation()(decoder.blocks()):
             for row in rows(block, setup.axes):
                 sys.stdout.write(json.dumps(row) + "\n")

@@ -17,11 +17,12 @@ from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeR
 from runtime.cli.explained import explained
 from runtime.cnc.decoder import (
     DIALECTS,
+    AnyDecoder,
+    AnyProgram,
     ChannelMemory,
-    Decoder,
     DecoderSetup,
-    Program,
     ProgramError,
+    decoder_of,
     expect_dialect,
     load_program,
     located,
@@ -50,7 +51,7 @@ def command(
     config: Annotated[
         Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    dialect: Annotated[str, typer.Option(help=f"Dialect of the programs: {' or '.join((*DIALECTS, 'nct'))}.")] = "isg",
+    dialect: Annotated[str, typer.Option(help=f"Dialect of the programs: {' or '.join(DIALECTS)}.")] = "isg",
 ) -> None:
     """Parse and decode programs without motion; exit code 1 if there are errors.
 
@@ -89,14 +90,14 @@ def check(
     First all of its text is looked through, then it is executed without a machine, with `tools`.
     """
     warnings: list[Problem] = []
-    decoder: Decoder | None = None
-    program: Program | None = None
+    decoder: AnyDecoder | None = None
+    program: AnyProgram | None = None
     try:
         expect_dialect(dialect, str(file))
         program = load_program(file, setup, dialect)
         errors: list[Problem] = []
         with _progress(file) as progress:
-            for problem in look_through(file, setup, progress):
+            for problem in look_through(file, setup, progress, dialect):
                 (errors if problem.entry.severity >= Severity.ERROR else warnings).append(problem)
                 if len(errors) + len(warnings) >= MOST_PROBLEMS:
                     break
@@ -104,7 +105,7 @@ def check(
             return tuple(errors), tuple(warnings)
         memory = ChannelMemory(setup, MemoryTools(tools))
         start = limits.nearest(np.zeros(len(setup.axes)))
-        decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
+        decoder = decoder_of(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
         for _ in prepared(decoder.blocks(), axes, limits, LateSynchronisation(), warnings, joints):
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.blocks import Arc, Block, Line, Polyline, RadiusCompensation, ToolRadius
-from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, load_program
+from runtime.cnc.decoder import ChannelMemory, DecoderSetup, decoder_of, load_program
 from runtime.cnc.path_preparation import SoftwareLimits
 from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.config.machine import Machine
@@ -60,7 +60,7 @@ def contours_of(file: Path, machine: Machine, dialect: str = "isg") -> list[Cont
     try:
         start = SoftwareLimits.of(machine).nearest(np.zeros(len(setup.axes)))
         memory = ChannelMemory(setup, copied_tools(machine, os.environ))
-        decoder = Decoder(program, setup, start=start, memory=memory, idle_limit=MOST_MOTIONS)
+        decoder = decoder_of(program, setup, start=start, memory=memory, idle_limit=MOST_MOTIONS)
         for block in ToolRadiusCompensation()(found.programmed(decoder.blocks())):
             if not found.drive(block):
                 break

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from runtime.cnc.blocks import Block, Floats
-from runtime.cnc.decoder import ChannelMemory, Decoder, DecoderSetup, Program, load_program, located
+from runtime.cnc.decoder import AnyDecoder, AnyProgram, ChannelMemory, DecoderSetup, decoder_of, load_program, located
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import (
@@ -75,9 +75,9 @@ class Preparation:
         self._on_block = on_block
         self._blocks: Iterator[Block] | None = None
         self._writer: QueueWriter | None = None
-        self._program: Program | None = None
+        self._program: AnyProgram | None = None
         self._blocks_folder: tempfile.TemporaryDirectory[str] | None = None  # for NC blocks that are no file
-        self.decoder: Decoder | None = None  # of the last program, for its parameters
+        self.decoder: AnyDecoder | None = None  # of the last program, for its parameters
 
     def poll(self) -> PumpState:
         """FULL, FLUSH: waits for the cycle. HELD: the decoder waits for the outside. FINISHED: nothing to do.
@@ -164,7 +164,7 @@ class Preparation:
         """The blocks of the program file. Raises TandemError."""
         setup = self._setup.in_mode(Mode(order.mode))
         program = self._program = load_program(self._file(order), setup, self._dialect)
-        self.decoder = Decoder(
+        self.decoder = decoder_of(
             program,
             setup,
             start=order.start if order.begin is None else order.begin,

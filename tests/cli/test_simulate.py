@@ -87,14 +87,14 @@ def test_a_place_that_cannot_be_written_is_told_at_once(
 
 def test_a_dialect_that_is_not_there(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for command in ("simulate", "check", "blocks"):
-        assert cli.main([command, str(program), "--dialect", "nct"]) == 1
+        assert cli.main([command, str(program), "--dialect", "step"]) == 1
         printed = capsys.readouterr()
         assert "300007" in printed.out + printed.err
 
 
 def test_run_refuses_before_anything_starts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for arguments, id_ in (
-        (["--dialect", "nct"], "300007"),
+        (["--dialect", "step"], "300007"),
         (["--program", str(tmp_path / "missing.nc")], "300001"),
         (["--plot", str(tmp_path / "no" / "path.png")], "305003"),
         (["-c", str(tmp_path / "missing.yaml")], "302001"),

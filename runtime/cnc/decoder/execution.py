@@ -188,6 +188,16 @@ class Execution:
 
     # ------------------------------------------------------------------ blocks out
 
+    @property
+    def call_shown(self) -> Source | None:
+        """The call that stands for all blocks of the level in work, None where they are shown themselves."""
+        return self.frames[-1].shown if self.frames else None
+
+    @property
+    def running(self) -> bool:
+        """A level is in work: the program is not over."""
+        return bool(self.frames)
+
     def emit(self, block: Block) -> None:
         """Hand over a block, behind the moves that were collected before it."""
         if self._run_feeds:
@@ -198,14 +208,14 @@ class Execution:
 
     def block_end(self) -> None:
         """The end of a block with motion, if single block stops behind it."""
-        if self.frames[-1].shown is None and self.steps.ends(self.source.n):
+        if self.call_shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))
 
     def step_end(self, since: int) -> None:
         """The end of a block: a step of its own, if it has no motion and is one by P-CHAN-00015. What it has emitted stands in
         `out` from `since` on."""
         emitted = self.out[since:]
-        if not self.frames or self.frames[-1].shown is not None:
+        if not self.running or self.call_shown is not None:
             return
         dwells = any(isinstance(block, Dwell) for block in emitted)  # the end of such a block stops nobody who stands
         if not dwells and any(isinstance(block, ENDS_STEP) for block in emitted):
@@ -225,7 +235,7 @@ class Execution:
 
     def stepwise(self, run: Polyline) -> Iterable[Block]:
         """A run of moves as it is, or one by one where not every block is a step."""
-        shown = self.frames[-1].shown if self.frames else None
+        shown = self.call_shown
         return (run,) if shown is None and self.steps.everywhere else self.steps.apart(run, shown)
 
     def straight(self, end: list[float], feed: float, line: int, number: int) -> None:

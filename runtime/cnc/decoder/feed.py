@@ -9,12 +9,11 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed_group import MAIN_AXES, queue_length
 from runtime.cnc.decoder.modal import FeedMode
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.compiler import CompiledBlock
-from runtime.cnc.language.isg.words import WordKind
+from runtime.cnc.language.motion_words import MotionBlock, WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 
-def require_feed(x: Execution, block: CompiledBlock) -> None:
+def require_feed(x: Execution, block: MotionBlock) -> None:
     """LineError if no F of the active mode is programmed, or one that moves nothing."""
     feed = x.modal.feed
     if feed is None:
@@ -26,7 +25,7 @@ def require_feed(x: Execution, block: CompiledBlock) -> None:
 
 def feed_of(
     x: Execution,
-    block: CompiledBlock,
+    block: MotionBlock,
     start: list[float],
     end: list[float],
     arc: tuple[tuple[int, ...], Circle] | None,
@@ -63,7 +62,7 @@ def feed_of(
 
 def group_ratio(
     x: Execution,
-    block: CompiledBlock,
+    block: MotionBlock,
     start: list[float],
     end: list[float],
     arc: tuple[tuple[int, ...], Circle] | None,

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from runtime.cnc.decoder.modal import INCH, FeedMode
 from runtime.cnc.language.isg.comments import LineError
-from runtime.cnc.language.isg.compiler import CompiledBlock
-from runtime.cnc.language.isg.words import WordKind
+from runtime.cnc.language.motion_words import MotionBlock, WordKind
 from runtime.diagnostics.catalogue import language as catalogue
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ class FeedChange(Enum):
     TIME = 293
 
 
-def enter_feed(x: Execution, block: CompiledBlock, value: float) -> None:
+def enter_feed(x: Execution, block: MotionBlock, value: float) -> None:
     """Keep an F as the feed of the active mode. LineError for one that cannot be."""
     modal = x.modal
     inch = modal.inch and modal.feed_mode in (FeedMode.PER_MINUTE, FeedMode.PER_REVOLUTION)

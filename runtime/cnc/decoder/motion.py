@@ -17,7 +17,7 @@ from runtime.cnc.decoder.modal import PLANE_AXES, Motion, Plane
 from runtime.cnc.decoder.modulo import modulo_end
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
-from runtime.cnc.language.isg.words import WordKind
+from runtime.cnc.language.motion_words import MotionBlock, WordKind
 from runtime.diagnostics.catalogue import axes
 from runtime.diagnostics.catalogue import language as catalogue
 
@@ -50,7 +50,7 @@ def dwell_time(x: Execution, seconds: float, column: int) -> None:
     x.emit(Dwell(x.source, seconds))
 
 
-def target(x: Execution, block: CompiledBlock) -> list[float]:
+def target(x: Execution, block: MotionBlock) -> list[float]:
     """Machine position that the axis words of the block lead to; LineError beyond the range of positions.
 
     With G90 an axis that turns without end goes to the position in the direction of the sign behind its name, less than a
@@ -70,7 +70,7 @@ def target(x: Execution, block: CompiledBlock) -> list[float]:
     return end
 
 
-def _directions(x: Execution, block: CompiledBlock, words: dict[int, float]) -> dict[int, int]:
+def _directions(x: Execution, block: MotionBlock, words: dict[int, float]) -> dict[int, int]:
     """Of the axes that turn without end and get an absolute word: 1, -1, or 0 for the shorter way. The first sign of a word is
     taken out of its value in `words`, since it is the direction alone."""
     signs = dict(block.signs)
@@ -92,19 +92,19 @@ def _directions(x: Execution, block: CompiledBlock, words: dict[int, float]) -> 
     return directions
 
 
-def expect_in_range(x: Execution, block: CompiledBlock, end: list[float]) -> None:
+def expect_in_range(x: Execution, block: MotionBlock, end: list[float]) -> None:
     """LineError for a machine position beyond the range of positions."""
     for axis, value in enumerate(end):
         if not abs(value) <= POSITION_LIMIT and axis not in x.modulo.ranges:
             raise _out_of_range(x, block, axis, value)
 
 
-def _out_of_range(x: Execution, block: CompiledBlock, axis: int, value: float) -> LineError:
+def _out_of_range(x: Execution, block: MotionBlock, axis: int, value: float) -> LineError:
     column = block.column(WordKind.AXIS, axis if axis in x.axis_words else -1)
     return LineError(catalogue.POSITION_RANGE, column, value=value, axis=x.setup.axes[axis], limit=POSITION_LIMIT)
 
 
-def move(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
+def move(x: Execution, block: MotionBlock, corner: Corner | None) -> None:
     """The motion of the axis and circle words of the block; the position moves along."""
     modal, coordinates = x.modal, x.coordinates
     circle = modal.motion in (Motion.CIRCLE_CW, Motion.CIRCLE_CCW)
@@ -135,7 +135,7 @@ def _keep_centre(x: Execution) -> None:
     x.letters |= {index: x.shown_length(kept[index]) for index in letters if index in kept and index not in given}
 
 
-def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:
+def straight(x: Execution, block: MotionBlock, end: list[float], corner: Corner | None) -> None:
     """A straight move to a machine position; the position is not moved along."""
     rapid = x.modal.motion is Motion.RAPID
     feed = math.inf
@@ -168,7 +168,7 @@ def straight(x: Execution, block: CompiledBlock, end: list[float], corner: Corne
     x.emit(changing_line(line, change, before * ratio))
 
 
-def expect_bare(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
+def expect_bare(x: Execution, block: MotionBlock, corner: Corner | None) -> None:
     """LineError for what cannot stand beside a linear feed change."""
     for word, given in (
         ("chamfer or rounding", corner is not None),
@@ -190,7 +190,7 @@ def programmed_at(x: Execution, end: list[float]) -> list[float]:
     return [(p - s) / g for p, g, s in zip(end, c.gain, c.shift, strict=True)]
 
 
-def plane_of(x: Execution, block: CompiledBlock) -> tuple[tuple[int, int], str, str]:
+def plane_of(x: Execution, block: MotionBlock) -> tuple[tuple[int, int], str, str]:
     """Axes and letters of the active plane; LineError if the channel has not so many axes."""
     plane, letters, pitch_letter = PLANES[x.modal.plane]
     if max(plane) >= len(x.setup.axes):
@@ -233,7 +233,7 @@ def size_scale(x: Execution, plane: tuple[int, int]) -> float:
     return x.coordinates.scale_of(0 if 0 in plane else plane[0])
 
 
-def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | None) -> None:
+def _arc(x: Execution, block: MotionBlock, end: list[float], corner: Corner | None) -> None:
     modal, start = x.modal, x.coordinates.position
     plane, letters, pitch_letter = plane_of(x, block)
     given = {"IJK"[index]: x.length(value) for index, value in x.letters.items()}
@@ -274,7 +274,7 @@ def _arc(x: Execution, block: CompiledBlock, end: list[float], corner: Corner | 
 
 def emit_arc(
     x: Execution,
-    block: CompiledBlock,
+    block: MotionBlock,
     end: list[float],
     plane: tuple[int, int],
     circle: circles.Circle,

@@ -26,6 +26,16 @@ class ProgramErrors(ProgramError):  # noqa: N818 - it is many
         self.problems = tuple(problems)
 
 
+class LineError(Exception):
+    """Something is wrong in a line; `column` counts from 1. The reader of the file adds name and line."""
+
+    def __init__(self, entry: ErrorEntry, column: int, **values: object) -> None:
+        super().__init__(entry.id, column)
+        self.entry = entry
+        self.column = column
+        self.values = values
+
+
 class CalculationError(Exception):
     """An expression has no value. Whoever executes the block adds the place; `name` is what to look for in its text."""
 

@@ -2,7 +2,7 @@
 
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
 fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
-radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx.
+radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx, the NCT dialect 32xxxx.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from runtime.diagnostics.catalogue import (
     language,
     machine,
     motion,
+    nct,
     plc,
     radius,
     recorder,
@@ -44,6 +45,7 @@ _AREAS: tuple[ModuleType, ...] = (
     axes,
     block_search,
     recorder,
+    nct,
 )
 
 

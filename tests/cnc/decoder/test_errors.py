@@ -272,7 +272,7 @@ def test_file_changed_while_it_runs(tmp_path: Path) -> None:
 
 def test_unknown_dialect(tmp_path: Path) -> None:
     with pytest.raises(ProgramError) as caught:
-        load_program(tmp_path / "a.nc", SETUP, "nct")
+        load_program(tmp_path / "a.nc", SETUP, "step")
     assert caught.value.problem.entry is C.DIALECT_UNSUPPORTED
 
 

@@ -2,18 +2,8 @@
 
 from __future__ import annotations
 
+from runtime.cnc.language.errors import LineError as LineError
 from runtime.diagnostics.catalogue import language as catalogue
-from runtime.diagnostics.errors import ErrorEntry
-
-
-class LineError(Exception):
-    """Something is wrong in a line; `column` counts from 1. The reader of the file adds name and line."""
-
-    def __init__(self, entry: ErrorEntry, column: int, **values: object) -> None:
-        super().__init__(entry.id, column)
-        self.entry = entry
-        self.column = column
-        self.values = values
 
 
 def blank_comments(text: str) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum, IntEnum, auto
+from enum import Enum, IntEnum
 
 from runtime.cnc.language.isg.syntax import StatementSyntax
+from runtime.cnc.language.motion_words import WordKind as WordKind
 
 ADDITIONS = ("ANG", "CANG", "CHR", "CHF", "RND", "FRC")  # words with # among those of a motion block
 
@@ -16,35 +17,6 @@ class ValueKind(IntEnum):
     NUMBER = 0
     STRING = 1
     ANY = 2
-
-
-class WordKind(IntEnum):
-    """What a word does; the meaning of `Word.index` stands behind it."""
-
-    AXIS = auto()  # channel axis index
-    INTERPOLATION = auto()  # 0 I, 1 J, 2 K
-    RADIUS = auto()
-    FEED = auto()
-    END_FEED = auto()  # E
-    SPEED = auto()
-    TOOL = auto()
-    TOOL_DATA = auto()  # D
-    M = auto()
-    H = auto()
-    G = auto()  # G number
-    DWELL = auto()  # 0 seconds, 1 revolutions of the spindle
-    ASSIGNMENT = auto()
-    DECLARATION = auto()
-    ADDITION = auto()  # one of ADDITIONS; `name` without #
-    CALL_LOCAL = auto()
-    CALL_GLOBAL = auto()
-    RETURN = auto()  # M17 or M29 with brackets
-    GOTO = auto()
-    SPINDLE_POSITION = auto()  # S.POS
-    BRACKET = (
-        auto()
-    )  # S[..] or X[..]: channel axis index, -1 for a spindle; with a `job` that of another axis; `name` as written
-    KEY = auto()  # in such a bracket: REV, POS …; `target` is a literal value
 
 
 @dataclass(frozen=True, slots=True)

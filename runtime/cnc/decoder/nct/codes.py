@@ -1,0 +1,7 @@
+"""All registrations of the dialect: importing this module fills the tables."""
+
+from __future__ import annotations
+
+import runtime.cnc.decoder.nct.g_motion
+import runtime.cnc.decoder.nct.g_select
+import runtime.cnc.decoder.nct.m_program  # noqa: F401

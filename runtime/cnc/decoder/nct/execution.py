@@ -1,0 +1,161 @@
+"""The state of a running NCT program: the shared `Execution` of the decoder, and what this dialect has beside it.
+
+What handlers use of the shared part: `modal`, `coordinates`, `spindles`, `tools`, `compensation`, `memory`, `outside`, `setup`,
+`emit`, `warn`, `repeat` (execute the block in work once more later), `axis_value` and `length` (inch → mm). What they use of
+this one: `words`, `axes`, `levels`, `active`, `stack`, `hooks`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from runtime.cnc.blocks import Floats, Source
+from runtime.cnc.decoder.execution import COMPILED_BLOCKS, Execution
+from runtime.cnc.decoder.library import Library as IsgLibrary
+from runtime.cnc.decoder.memory import ChannelMemory
+from runtime.cnc.decoder.nct.frames import Frame
+from runtime.cnc.decoder.nct.names import namespace
+from runtime.cnc.decoder.nct.registry import G_CODES, GCall, GCode, Group
+from runtime.cnc.decoder.nct.words import BlockWords
+from runtime.cnc.decoder.outside import Outside
+from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.language.errors import LineError, ProgramError
+from runtime.cnc.language.nct.addresses import COORDINATES
+from runtime.cnc.language.nct.compiler import CompiledBlock, compile_block
+from runtime.cnc.language.nct.parser import block_parser
+from runtime.cnc.language.nct.program_file import BlockText, Unit
+from runtime.diagnostics.catalogue import nct as catalogue
+from runtime.diagnostics.errors import ErrorEntry, Problem
+
+if TYPE_CHECKING:
+    from runtime.cnc.decoder.nct.levels import Levels
+    from runtime.cnc.decoder.nct.library import Library
+
+NOTHING = BlockWords((), {})
+
+
+class OutOfStepError(Exception):
+    """A block reads something of the interpolator: the path has to come to this block first, then it is executed anew."""
+
+
+@dataclass(slots=True)
+class Hooks:
+    """What is called around blocks, by whoever has put something in.
+
+    `before(block, words, calls)` before anything of a block of words is done: True if the block is done with that (G66.1).
+    `after(moved)` behind each block of words, `moved` if it had a motion (G66).
+    """
+
+    before: Callable[[CompiledBlock, BlockWords, list[GCall]], bool] | None = None
+    after: Callable[[bool], None] | None = None
+
+
+class NctExecution(Execution):
+    """One run of one NCT program."""
+
+    levels: Levels  # type: ignore[assignment]  # of this dialect; set by whoever executes
+
+    def __init__(
+        self,
+        setup: DecoderSetup,
+        memory: ChannelMemory,
+        outside: Outside,
+        library: Library,
+        start: Floats,
+        skip_levels: Callable[[], int],
+    ) -> None:
+        super().__init__(setup, memory, outside, IsgLibrary(setup.addresses, ()), start, skip_levels)
+        self.programs = library
+        self.axis_of = {name: index for index, name in enumerate(setup.axes) if name in COORDINATES}
+        self.stack: list[Frame] = []
+        self.words: BlockWords = NOTHING  # of the block in work
+        self.work: CompiledBlock | None = None  # the block in work
+        self.active: dict[Group, int] = {}  # tenths of the code of each modal group that holds
+        self.hooks = Hooks()
+        self.in_step = False  # the path has come to the block in work
+        self.sequence_number = 0  # the last N word
+        self.assigned = 0  # assignments of the block in work that are done
+        self.actions: list[Callable[[], None]] = []  # of the block in work, when everything else is done
+        self.namespace: dict[str, Any] = namespace(self)
+        self._compiled: dict[tuple[int, int], CompiledBlock] = {}
+
+    # ------------------------------------------------------------------ words of the block in work
+
+    def axes(self) -> dict[int, float]:
+        """The axis words of the block in mm or degrees, as arguments of a code: they move nothing afterwards."""
+        self.words.take(self.axis_of)
+        self.axes_taken = True
+        return {axis: self.axis_value(axis, value) for axis, value in self.axis_words.items()}
+
+    def mover(self) -> GCode:
+        """The code that moves the axes: that of the drilling cycles if one is active, else that of the motions."""
+        cycle = self.active.get(Group.CYCLE, -1)
+        if cycle in G_CODES and G_CODES[cycle].moves is not None:
+            return G_CODES[cycle]
+        return G_CODES[self.active[Group.MOTION]]
+
+    def select(self, tenths: int) -> None:
+        """A modal code holds from now on; its handler is called without a block (program start, reset)."""
+        code = G_CODES[tenths]
+        self.active[code.group] = tenths
+        code.handler(self, GCall(tenths, 1, modal=True))
+
+    def expect_in_step(self) -> None:
+        """Before something of the interpolator is read."""
+        if not self.in_step:
+            raise OutOfStepError
+
+    # ------------------------------------------------------------------ compiled blocks
+
+    def compiled_block(self, unit: Unit, text: BlockText) -> CompiledBlock:
+        """A block, compiled when it is needed for the first time; ProgramError if it is faulty."""
+        key = (id(unit), text.offset)
+        block = self._compiled.get(key)
+        if block is None:
+            try:
+                block = compile_block(block_parser().parse(text.text), text, self.namespace)
+            except LineError as error:
+                line, column, shown = text.place(error.column)
+                raise ProgramError(error.entry, unit.place(line, column, shown), **error.values) from None
+            if len(self._compiled) >= COMPILED_BLOCKS:
+                self._compiled.clear()
+            self._compiled[key] = block
+        return block
+
+    # ------------------------------------------------------------------ what the shared part asks for
+
+    @property
+    def level(self) -> Frame:
+        """The program level in work."""
+        return self.stack[-1]
+
+    @property
+    def call_shown(self) -> Source | None:
+        return self.stack[-1].shown if self.stack else None
+
+    @property
+    def running(self) -> bool:
+        return bool(self.stack)
+
+    def place(self, column: int) -> tuple[int, int, str]:
+        return self.work.source.place(column) if self.work is not None else (self.source.line, column, "")
+
+    def source_in_work(self) -> Source:
+        return self.source
+
+    def warn(self, entry: ErrorEntry, column: int = 1, **values: object) -> None:
+        place = self.stack[-1].unit.place(*self.place(column))
+        if not any(known.place == place and known.entry is entry for known in self.warnings):
+            self.warnings.append(Problem(entry, values, place))
+
+    def take_feed(self) -> None:
+        """The F word is entered with the modal words of its block."""
+
+    def expect_axis(self, address: str, column: int) -> int:
+        """The channel index of an axis address; LineError if the channel has no such axis."""
+        index = self.axis_of.get(address)
+        if index is None:
+            raise LineError(catalogue.AXIS_MISSING, column, address=address, axes=", ".join(self.setup.axes))
+        return index
