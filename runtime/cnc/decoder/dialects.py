@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, overload
 
 import runtime.cnc.decoder.isg.functions  # noqa: F401 - registers the dialect
 from runtime.cnc.decoder import program as isg
@@ -26,6 +26,14 @@ DIALECTS = ("isg", "nct")
 AnyProgram = Program | NctProgram
 AnyDecoder = Decoder | NctDecoder
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
+
+
+@overload
+def load_program(path: Path, channel_setup: DecoderSetup, dialect: Literal["isg"] = "isg") -> Program: ...
+
+
+@overload
+def load_program(path: Path, channel_setup: DecoderSetup, dialect: str) -> AnyProgram: ...
 
 
 def load_program(path: Path, channel_setup: DecoderSetup, dialect: str = "isg") -> AnyProgram:

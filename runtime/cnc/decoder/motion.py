@@ -279,11 +279,12 @@ def emit_arc(
     plane: tuple[int, int],
     circle: circles.Circle,
     corner: Corner | None,
+    faster: float = 1.0,
 ) -> None:
-    """An arc to a machine position; the position is not moved along."""
+    """An arc to a machine position; the position is not moved along. `faster`: than F says."""
     x.expect_path_start(block.column(WordKind.AXIS if block.axes else WordKind.INTERPOLATION))
     start = x.coordinates.position
-    feed = feed_of(x, block, start, end, (plane, circle))
+    feed = feed_of(x, block, start, end, (plane, circle)) * faster
     ratio = group_ratio(x, block, start, end, (plane, circle))
     arc = Arc(
         x.source,

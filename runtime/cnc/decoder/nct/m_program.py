@@ -54,7 +54,11 @@ def call(x: NctExecution, number: int, column: int) -> None:
     if passes is not None and not 1 <= passes <= MOST_PASSES:
         raise LineError(catalogue.FAULTY_L, x.words.place("L"), value=passes, least=1)
     place = x.words.place("P")
-    x.actions.append(lambda: x.levels.enter(int(program), place, int(passes or 1)) and None)
+
+    def enter() -> None:
+        x.levels.enter(int(program), place, int(passes or 1))
+
+    x.actions.append(enter)
 
 
 @m_code(

@@ -12,6 +12,7 @@ START = ("0", "13.1", "15", "17", "21", "25", "40", "49", "50", "50.1", "64", "6
 
 def begin_program(x: NctExecution) -> None:
     """The state at program start. The work coordinate system is the first one (G54)."""
+    x.modal.centre_correction = False  # a centre that does not fit makes a spiral
     select_zero_offset(x, 1)
     for number in START:
         tenths = tenths_of(number)
