@@ -14,6 +14,7 @@ import typer
 from runtime.cli.explained import explained
 from runtime.cnc.block_json import rows
 from runtime.cnc.decoder import DIALECTS, ChannelMemory, DecoderSetup, ProgramError, decoder_of, load_program, located
+from runtime.cnc.path_preparation import Frames, PathError
 from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import TandemError
@@ -38,7 +39,7 @@ def command(
         raise typer.Exit(1) from None
     try:
         decoder = decoder_of(program, setup, start=np.zeros(len(setup.axes)), memory=memory)
-        for block in ToolRadiusCompensation()(decoder.blocks()):
+        for block in Frames()(ToolRadiusCompensation()(decoder.blocks())):
             for row in rows(block, setup.axes):
                 sys.stdout.write(json.dumps(row) + "\n")
         sys.stdout.flush()
@@ -46,7 +47,7 @@ def command(
         sys.stdout.flush()
         _tell(error)
         raise typer.Exit(1) from None
-    except CompensationError as error:
+    except (CompensationError, PathError) as error:
         sys.stdout.flush()
         typer.echo(explained(located(program, error.problem)), err=True)
         raise typer.Exit(1) from None

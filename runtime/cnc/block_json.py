@@ -36,6 +36,7 @@ from runtime.cnc.blocks import (
     ToolLifeAction,
     ToolRadius,
     UserError,
+    programmed_way,
 )
 
 Row = dict[str, object]
@@ -153,8 +154,7 @@ def _action(block: Block) -> Iterator[Row]:
 
 def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
     points = block.points.tolist()
-    gain = 1.0 if block.pcs_gain is None else block.pcs_gain
-    programmed = ((block.points - block.pcs_shift) / gain).tolist()
+    programmed = programmed_way(block.points - block.pcs_shift, block.pcs_gain).tolist()
     columns = zip(block.feeds.tolist(), block.lines.tolist(), block.numbers.tolist(), strict=True)
     for i, (feed, line, number) in enumerate(columns):
         yield {
@@ -168,8 +168,7 @@ def _polyline(block: Polyline, names: Sequence[str]) -> Iterator[Row]:
 
 def _polynomials(block: Polynomials, names: Sequence[str]) -> Iterator[Row]:
     ends = block.ends
-    gain = 1.0 if block.pcs_gain is None else block.pcs_gain
-    programmed = (ends - block.pcs_shift) / gain
+    programmed = programmed_way(ends - block.pcs_shift, block.pcs_gain)
     for i, feed in enumerate(block.feeds.tolist()):
         number = int(block.numbers[i])
         yield {

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from runtime.cnc.dynamic_settings import DynamicSettings
 from runtime.cnc.filter_settings import FilterSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.geometry.frames import Frame
 from runtime.hli.axis_jobs import Job
 
 Floats = npt.NDArray[np.float64]
@@ -113,7 +114,8 @@ class Line:
     """A straight move of all axes; `end_pcs` are the programmed coordinates of the target.
 
     `plane` holds the indices of the two axes of the active plane. `end_feed` is the feed wanted at the end (E word).
-    `pcs_gain` (n_axes,) is machine way per programmed way (mirroring, scale), None is 1 for all axes.
+    `pcs_gain` is machine way per programmed way: (n_axes,) for mirroring and scale, None for 1 in all axes, (n_axes, n_axes)
+    where a rotated coordinate system is active (see `programmed_way`).
     """
 
     source: Source
@@ -162,15 +164,31 @@ class Arc:
 
 
 def _programmed(motion: Line | Arc, place: Floats) -> Floats:
-    way = place - motion.end
-    return motion.end_pcs + (way if motion.pcs_gain is None else way / motion.pcs_gain)
+    return motion.end_pcs + programmed_way(place - motion.end, motion.pcs_gain)
+
+
+def programmed_way(way: Floats, gain: Floats | None) -> Floats:
+    """Ways (n_axes,) or (k, n_axes) of the machine as they are programmed: one per axis by itself, or (n_axes, n_axes)."""
+    if gain is None:
+        return way
+    made: Floats = way / gain if gain.ndim == 1 else np.linalg.solve(gain, way.T).T
+    return made
+
+
+def machine_way(way: Floats, gain: Floats | None) -> Floats:
+    """The other direction: ways (n_axes,) or (k, n_axes) as they are programmed, on the machine."""
+    if gain is None:
+        return way
+    made: Floats = way * gain if gain.ndim == 1 else way @ gain.T
+    return made
 
 
 @dataclass(frozen=True, slots=True)
 class SpatialArc:
-    """An arc in space: the path turns about `centre` from `start` by `angle` degrees (0 to 360) around the unit vector `normal`.
+    """An arc in space: the path turns about `centre` from `start` by `angle` degrees around the unit vector `normal`.
 
-    `start`, `end` (n_axes,); `centre`, `normal` (3,) in the first three axes. The other axes move linearly over it.
+    `start`, `end` (n_axes,); `centre`, `normal` (3,) in the first three axes. The other axes move linearly over it, and so does
+    what of the way lies along the normal (a helix); more than one turn is allowed.
     """
 
     source: Source
@@ -184,13 +202,25 @@ class SpatialArc:
     pcs_gain: Floats | None = None  # as in Line
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameChange:
+    """The main axes of the motions from here on are those of `frame`, None: those of the machine.
+
+    Behind the radius compensation, whose plane is one of the frame, they are mapped onto the machine
+    (`path_preparation/frames.py`); it does not reach the queue. The place stays the same, so its numbers are other ones.
+    """
+
+    source: Source
+    frame: Frame | None
+
+
 @dataclass(frozen=True, slots=True)
 class Polyline:
     """A run of straight moves, in arrays: CAM output never becomes a million objects.
 
     `points` (k + 1, n_axes) starts with the position before the first move. `feeds` (k,) in mm/min, inf for rapid.
     `lines` (k,) source lines; `numbers` (k,) block numbers, -1 where there is none. Programmed coordinates are
-    (points - pcs_shift) / pcs_gain, (n_axes,) each, equal over the run; a gain of None is 1 for all axes. `plane`: the
+    (points - pcs_shift) / pcs_gain, equal over the run; the shift is (n_axes,), the gain as in Line. `plane`: the
     active plane, None where it is that of the motion before. `one_block`: the run is a curve of one NC block, in which
     single block does not stop.
     """
@@ -993,6 +1023,7 @@ Block = (
     Line
     | Arc
     | SpatialArc
+    | FrameChange
     | Polyline
     | Polynomials
     | TechnologyFunction

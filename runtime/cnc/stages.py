@@ -1,7 +1,7 @@
 """The stages between the decoder and the motion queue, in their order: what a check, a simulation and a machine do alike.
 
-decoder ─ late synchronisation ─ radius compensation ─ arcs in space ─ smoothing ─ corner deceleration ─ software limits
-        ─ micro-joints, if the channel has them ─▶
+decoder ─ late synchronisation ─ radius compensation ─ rotated frames ─ arcs in space ─ smoothing ─ corner deceleration
+        ─ software limits ─ micro-joints, if the channel has them ─▶
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from runtime.cnc.blocks import Block
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.path_preparation import (
     CornerDecelerations,
+    Frames,
     LateSynchronisation,
     MicroJoints,
     MicroJointSettings,
@@ -37,6 +38,6 @@ def prepared(
     What there is to warn of goes to `warnings`. Raises what the stages raise: each of them a TandemError with its place.
     """
     compensated = ToolRadiusCompensation()(late(blocks))
-    smoothed = smooth(SpatialArcs()(compensated), axes, warnings)
+    smoothed = smooth(SpatialArcs()(Frames()(compensated)), axes, warnings)
     limited = limits(coupled_limits(CornerDecelerations()(smoothed), limits.configured), warnings)
     return limited if joints is None else MicroJoints(joints, warnings)(limited)

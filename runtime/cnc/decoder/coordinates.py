@@ -1,6 +1,10 @@
-"""Programmed coordinates → machine coordinates: scale, rotation, mirroring, offsets (programming manual 1991–2076).
+"""Programmed coordinates → machine coordinates: scale, rotation, mirroring, offsets, systems (programming manual 1991–2076).
 
-    programmed ─ scale ─ rotation in the plane ─ mirror ─ + offsets ─▶ machine
+    programmed ─ scale ─ rotation in the plane ─ mirror ─ + offsets ─▶ position ─ rotated frame, if there is one ─▶ machine
+
+A coordinate system that is only shifted is one more offset. With a rotated one everything here counts along its axes, and a stage
+behind the decoder makes machine axes of it (`path_preparation/frames.py`). Offsets that belong to the machine (tool, clamp,
+measuring) do not turn with a system: what the frame would make of them is taken back (`update`).
 
 Selecting any of them moves no axis: it acts with the next word of the axis. An incremental word adds its way, so a new offset
 is only taken up by the next absolute word. Lengths in mm and degrees, lists of n axes.
@@ -9,12 +13,15 @@ is only taken up by the next absolute word. Lengths in mm and degrees, lists of 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from runtime.cnc.blocks import Floats
+from runtime.cnc.geometry.frames import Frame
+
+MAIN = 3  # main axes
 
 
 @dataclass(slots=True)
@@ -56,9 +63,11 @@ class Offsets:
 class Coordinates:
     """The position of the decoder and everything between programmed and machine coordinates.
 
-    `position`: end of the last decoded motion in machine coordinates. After any change of the other fields `update` has to be
-    called; `gain` and `shift` are what it makes of them: machine = programmed · gain + shift, as long as no rotation is active.
-    `travelled` are gain and shift of the last motion, which give its programmed coordinates.
+    `position`: end of the last decoded motion, in machine coordinates as long as `frame` is None, else along its axes. After
+    any change of the other fields `update` has to be called; `gain` and `shift` are what it makes of them: position =
+    programmed · gain + shift, as long as no rotation is active. `travelled` are gain and shift of the last motion, which give
+    its programmed coordinates. `lower` (n,): what the coordinate systems put on top of the offsets, without those of the
+    active system itself.
     """
 
     position: list[float]
@@ -74,13 +83,18 @@ class Coordinates:
     last_rotation: Rotation | None = None
     turns: list[float] = field(default_factory=list)  # by which the machine counts further than the program, degrees
     left_out: frozenset[str] = frozenset()  # kinds of offsets that the block in work leaves out
+    frame: Frame | None = None  # of the active coordinate system, if it is rotated
+    lower: list[float] = field(default_factory=list)
+    left_programmed: list[float] | None = (
+        None  # programmed coordinates of the last motion, in the system that it was in
+    )
 
     @classmethod
     def at(cls, position: Floats) -> Coordinates:
         """At a machine position, nothing selected."""
         n = len(position)
         made = cls([float(p) for p in position], Offsets.none(n), [1.0] * n, [1.0] * n, [1.0] * n)
-        made.turns = [0.0] * n
+        made.turns, made.lower = [0.0] * n, [0.0] * n
         made.update()
         made.travelled = (made.gain, made.shift)
         return made
@@ -101,16 +115,59 @@ class Coordinates:
         scale = self.scale if self.scale_active else [1.0] * len(self.position)
         axes = range(len(self.position))
         self.gain = [scale[i] * self.mirror_plane[i] * self.mirror_axis[i] for i in axes]
-        kinds = {
-            "ZERO": o.zero,
-            "ADD_ZERO": [o.reference[i] * self.mirror_axis[i] for i in axes],
-            "PSET": o.preset,
-            "CLAMP": o.clamp,
-            "TOOL": o.tool,
-            "MEASURE": o.measuring,
-        }
-        kept = [values for kind, values in kinds.items() if kind not in self.left_out]
-        self.shift = [sum((values[i] for values in kept), self.turns[i]) for i in axes]
+        local_kinds = {"ZERO": o.zero, "ADD_ZERO": self.mirrored_reference(), "PSET": o.preset}
+        global_kinds = {"CLAMP": o.clamp, "TOOL": o.tool, "MEASURE": o.measuring}
+        kept = [values for kind, values in local_kinds.items() if kind not in self.left_out]
+        fixed = [values for kind, values in global_kinds.items() if kind not in self.left_out]
+        if self.frame is None:
+            self.shift = [sum((values[i] for values in (*kept, *fixed)), self.turns[i] + self.lower[i]) for i in axes]
+            return
+        machine = np.array([sum(values[i] for values in fixed) for i in axes])
+        machine[:MAIN] = machine[:MAIN] @ self.frame.rotation
+        self.shift = [
+            sum((values[i] for values in kept), self.turns[i] + self.lower[i] + float(machine[i])) for i in axes
+        ]
+
+    def mirrored_reference(self) -> list[float]:
+        """The reference point offset as it acts: that of a mirrored axis is mirrored too (G351)."""
+        return [value * sign for value, sign in zip(self.offsets.reference, self.mirror_axis, strict=True)]
+
+    # ------------------------------------------------------------------ coordinate systems
+
+    def enter(self, placement: Frame, lower: list[float]) -> None:
+        """The active coordinate system lies in the machine as `placement` says; `lower` (n,) counts from the fourth axis on.
+
+        Nothing moves: the place on the machine stays, the position is told anew.
+        """
+        machine, programmed = self.machine(), self.programmed()
+        shifted = placement.only_shifted
+        self.frame = None if shifted else placement
+        main = placement.origin.tolist() if shifted else [0.0] * MAIN
+        self.lower = [*main, *lower[MAIN:]][: len(machine)]
+        self.update()
+        self.position = self.of_machine(machine)
+        self.left_programmed = programmed
+
+    def machine(self, position: Sequence[float] | None = None) -> list[float]:
+        """Machine coordinates (n,) of the position, or of another one that counts as it does."""
+        here = self.position if position is None else position
+        if self.frame is None:
+            return list(here)
+        return [*self.frame.outer(here[:MAIN]).tolist(), *here[MAIN:]]
+
+    def of_machine(self, place: Sequence[float]) -> list[float]:
+        """Machine coordinates (n,) as the position counts."""
+        if self.frame is None:
+            return [float(value) for value in place]
+        return [*self.frame.inner(place[:MAIN]).tolist(), *(float(value) for value in place[MAIN:])]
+
+    def moved_to(self, place: Sequence[float]) -> None:
+        """Something has moved the axes to a place on the machine, (n,)."""
+        self.moved(self.of_machine(place))
+
+    def in_system(self, axis: int) -> float:
+        """Where the position lies in the active coordinate system, with the offsets that are programmed in it."""
+        return self.position[axis] - (self.lower[axis] if axis < MAIN else 0.0)
 
     def suppress(self, kinds: Iterable[str]) -> None:
         """Leave out kinds of offsets (the keys of #SUPPRESS OFFSETS) until `resume`."""
@@ -185,14 +242,17 @@ class Coordinates:
     def moved(self, end: list[float]) -> None:
         """A motion was decoded."""
         self.position = end
+        self.left_programmed = None
         self.travelled = (self.gain, self.shift)
         self.last_rotation = self.rotation
 
     def programmed(self) -> list[float]:
         """Programmed coordinates of the last motion, mapped onto the machine axes where a rotation is active."""
+        if self.left_programmed is not None:
+            return self.left_programmed
         gain, shift = self.travelled
         return [(p - s) / g for p, g, s in zip(self.position, gain, shift, strict=True)]
 
     def array(self) -> Floats:
-        """The position as (n,)."""
-        return np.array(self.position)
+        """The position on the machine as (n,)."""
+        return np.array(self.machine())

@@ -27,6 +27,7 @@ from runtime.cnc.blocks import (
     Floats,
     Flush,
     FlushKind,
+    FrameChange,
     Hold,
     Homing,
     IndependentMotion,
@@ -171,7 +172,7 @@ class _Held:
         """The block, if the next motion can still come behind it."""
         if isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
             raise self.error(catalogue.CORNER_OPEN)
-        if isinstance(block, Homing | ManualMotion | TakeOver | PositionSetting | IndependentMotion) or (
+        if isinstance(block, FrameChange | Homing | ManualMotion | TakeOver | PositionSetting | IndependentMotion) or (
             isinstance(block, Flush) and block.kind is FlushKind.WAIT
         ):
             raise self.error(catalogue.CORNER_WAIT, wait_line=block.source.line)

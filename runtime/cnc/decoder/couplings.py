@@ -90,6 +90,8 @@ def _coupled(x: Execution, group: int, slave: int, master: int, column: int) -> 
         raise wrong(f"{names[one]} and {names[other]} are not of the same type")
     if one in x.manual_axes or other in x.manual_axes:
         raise wrong(f"{names[one]} or {names[other]} is moved by hand (G201)")
+    if other < MAIN_AXES and x.coordinates.frame is not None:
+        raise wrong(f"{names[other]} is turned by a coordinate system")
     if one in x.coupling.slaves:
         raise wrong(f"{names[one]} follows another axis already")
     position = x.coordinates.position

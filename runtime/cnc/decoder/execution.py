@@ -112,6 +112,7 @@ class Execution:
             setup.poly_jerk, setup.hsc_start, any(given is not None and given.enable for given in setup.filters)
         )
         self.coordinates = Coordinates.at(start)
+        self.systems = setup.systems()
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
@@ -394,7 +395,13 @@ class Execution:
 
     def place_of(self, axis: int) -> float:
         """Where an axis stands behind the last motion, as the program counts it; a slave is where its master has led it."""
-        return self.counted(axis, self.coupling.place(axis, self.coordinates.position))
+        return self.counted(axis, self.coupling.place(axis, self.coordinates.machine()))
+
+    def place_in_system(self, axis: int) -> float:
+        """The same in the active coordinate system."""
+        if axis in self.coupling.slaves:
+            return self.place_of(axis)
+        return self.counted(axis, self.coordinates.in_system(axis))
 
     def shown_length(self, value: float) -> float:
         """A length as the program sees it."""

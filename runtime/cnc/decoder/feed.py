@@ -52,8 +52,10 @@ def feed_of(
     if arc is not None:
         plane, circle = arc
         along = abs(math.radians(circle.angle)) * circle.radius
-        for axis in plane:
+        for axis in plane if x.coordinates.frame is None else range(MAIN_AXES):
             way[axis] = along  # somewhere on an arc both axes may have to run at path velocity
+    elif x.coordinates.frame is not None:
+        way[:MAIN_AXES] = (x.coordinates.frame.rotation @ way[:MAIN_AXES]).tolist()
     times = [
         abs(way[axis]) / velocity for axis, velocity in enumerate(x.setup.axis_velocity) if velocity > 0 and way[axis]
     ]

@@ -55,6 +55,7 @@ class ModalState:
     incremental: bool = False
     mirror: int = 20  # G20…G23
     zero_offset: int = 0  # index of the data set: 0 G53, 1 G54 …
+    layer: int = 0  # number of the coordinate system that it belongs to
     centre_absolute: bool = False
     centre_correction: bool = True  # G165
     feed_mode: FeedMode = FeedMode.PER_MINUTE

@@ -40,7 +40,7 @@ def begin_where_axes_are(x: Execution, block: ManualMotion | Homing | TakeOver |
         return
     position, offsets = x.outside.command_position(), x.outside.manual_offsets()
     if position is not None:
-        x.coordinates.moved([float(p) for p in position])
+        x.coordinates.moved_to([float(p) for p in position])
     if offsets is not None and isinstance(block, ManualMotion):
         x.manual_offsets = [float(offset) for offset in offsets]
     x.path_start = None

@@ -48,6 +48,8 @@ def restore_modal(x: Execution, saved: ModalState) -> None:
     What was programmed with axis names (G92, G98, G99, G351, G68) or as a statement stays as the cycle has left it.
     """
     left, x.modal = x.modal, saved
+    if left.layer != saved.layer:  # the cycle has left another coordinate system active, which has its own zero offset
+        saved.layer, saved.zero_offset = left.layer, left.zero_offset
     if left.zero_offset != saved.zero_offset:
         select_zero_offset(x, saved.zero_offset)
     if left.mirror != saved.mirror:

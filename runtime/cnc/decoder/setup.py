@@ -12,7 +12,9 @@ import numpy as np
 from runtime.cnc.blocks import Floats, Spline, Synch
 from runtime.cnc.decoder.feed_group import MAIN_GROUP, FeedGroup
 from runtime.cnc.decoder.smoothing import HSC_DEFAULT, hsc_start
+from runtime.cnc.decoder.system_state import Systems
 from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits, WeightedPart
+from runtime.cnc.geometry.frames import USUAL_SEQUENCE
 from runtime.cnc.language.addresses import Addresses
 from runtime.cnc.language.isg.index import Rules
 from runtime.cnc.tools.setup import ToolSetup
@@ -254,6 +256,10 @@ class DecoderSetup:
     always_shortest: bool = False  # P-CHAN-00346: signs choose no direction of axes that turn without end
     period: float = 0.001  # of the cycle, s
     filters: tuple[FirFilter | None, ...] = ()  # of the axes, (n,)
+    coordinate_systems: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # name → 3 shifts in mm, 3 angles
+    rotation_sequence: str = USUAL_SEQUENCE  # P-CHAN-00394
+    rotation_fixed: bool = False  # P-CHAN-00393
+    offsets_of_systems: bool = True  # P-CHAN-00397, of axes behind the main axes too
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -361,6 +367,10 @@ class DecoderSetup:
             ),
             period=machine.cycle.period,
             filters=tuple(axis.fir_filter for axis in axes),
+            coordinate_systems=parameters.coordinate_system.definitions,
+            rotation_sequence=parameters.coordinate_system.rotation_sequence,
+            rotation_fixed=parameters.coordinate_system.rotation_mode_fixed,
+            offsets_of_systems=parameters.coordinate_system.axes_offsets_layer_specific,
             job_units=parameters.plcopen_std_unit,
             jobs_wait=parameters.plcopen_implicit_sync,
             couplings=parameters.synchro_data.axis_pairs,
@@ -371,6 +381,16 @@ class DecoderSetup:
             modal_centre=parameters.modal_i_j_k_for_circle,
             always_shortest=parameters.enable_mod_axis_always_shortest_way,
             radius_compensation=parameters.wrk_im_kanal_vorhanden is not False,
+        )
+
+    def systems(self) -> Systems:
+        """The coordinate systems with which a program begins."""
+        return Systems(
+            self.coordinate_systems,
+            self.rotation_sequence,
+            fixed=self.rotation_fixed,
+            specific=self.offsets_of_systems,
+            axes=len(self.axes),
         )
 
     @property

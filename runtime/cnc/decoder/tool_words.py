@@ -133,8 +133,12 @@ def move_at_once(x: Execution, ways: dict[int, float]) -> None:
         return
     additions.expect_no_line(x)
     start, end = x.take_path_start(), x.coordinates.position.copy()
+    if x.coordinates.frame is not None:  # they are ways of the machine axes
+        end = x.coordinates.machine()
     for axis, way in ways.items():
         end[axis] += way
+    if x.coordinates.frame is not None:
+        end = x.coordinates.of_machine(end)
     expect_in_range(x, block, end)
     expect_no_slave(x, ways, block.column(WordKind.TOOL_DATA))
     wait_before_motion(x, end)

@@ -36,6 +36,8 @@ class Tooling:
             int, Tool | tuple[int, int]
         ] = {}  # what it has told for V.G.WZ[j], or the request and its cycle
         self.moved = False  # axes were moved by a D word since the last block end
+        self._left_out = False  # neither length nor offsets count (#MCS ON)
+        self._until_next = False  # until the next D word
         self._late: set[int] = set()  # axes that never move by a D word itself: see `assigned`
 
     @property
@@ -50,6 +52,8 @@ class Tooling:
 
     def use(self, tool: Tool) -> dict[int, float]:
         """Make a record the active one; by how much the offset of each axis that D may move at once has changed."""
+        if self._until_next:
+            self._left_out = self._until_next = False
         return self.change(tool)
 
     def change(self, tool: Tool) -> dict[int, float]:
@@ -69,7 +73,9 @@ class Tooling:
         before = coordinates.offsets.tool
         offsets = [self.active.value("offsets", axis) for axis in range(len(before))]
         axis = self.length_axis if self.length_axis >= 0 else 3 - sum(PLANE_AXES[self._x.modal.plane])
-        if axis < len(offsets):
+        if self._left_out:
+            offsets = [0.0] * len(before)
+        elif axis < len(offsets):
             offsets[axis] += self.length_sign * self.active.length
         changed = {axis: new - old for axis, (old, new) in enumerate(zip(before, offsets, strict=True)) if new != old}
         if changed:
@@ -80,6 +86,16 @@ class Tooling:
     def assign_length(self, axis: int, sign: float) -> None:
         """#TLAX: the length acts in an axis, with a sign; -1: in the third axis of the plane."""
         self.length_axis, self.length_sign = axis, sign
+        self.assigned()
+
+    def leave_out(self, *, until_next: bool) -> None:
+        """Length and offsets do not count, until `take_in` or (`until_next`) the next D word."""
+        self._left_out, self._until_next = True, until_next
+        self.assigned()
+
+    def take_in(self) -> None:
+        """They count again."""
+        self._left_out = self._until_next = False
         self.assigned()
 
     def assigned(self) -> None:

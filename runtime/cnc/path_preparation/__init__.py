@@ -3,6 +3,7 @@
 from runtime.cnc.path_preparation.block_search import BlockSearchStage
 from runtime.cnc.path_preparation.corner_deceleration import CornerDecelerations
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
+from runtime.cnc.path_preparation.frames import Frames
 from runtime.cnc.path_preparation.late_synchronisation import LateSynchronisation
 from runtime.cnc.path_preparation.micro_joints import MicroJoints, MicroJointSettings
 from runtime.cnc.path_preparation.queue_writer import PumpState, QueueWriter
@@ -13,6 +14,7 @@ from runtime.cnc.path_preparation.spatial_arcs import SpatialArcs
 __all__ = [
     "BlockSearchStage",
     "CornerDecelerations",
+    "Frames",
     "LateSynchronisation",
     "MicroJointSettings",
     "MicroJoints",

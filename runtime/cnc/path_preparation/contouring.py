@@ -37,6 +37,7 @@ from runtime.cnc.blocks import (
     Polynomials,
     Stop,
     StopKind,
+    programmed_way,
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.contour_curves import (
@@ -381,8 +382,8 @@ def _line_to(held: _Held, motion: Motion) -> Line:
     origin = Origin.of(motion)
     start = held.motion.points[-1] if isinstance(held.motion, Polyline) else held.motion.end
     end = motion.points[-1] if isinstance(motion, Polyline) else motion.end
-    gain = 1.0 if origin.pcs_gain is None else origin.pcs_gain
     return Line(
-        origin.source, start, end, origin.feed, math.isinf(origin.feed), (end - origin.pcs_shift) / gain,
+        origin.source, start, end, origin.feed, math.isinf(origin.feed),
+        programmed_way(end - origin.pcs_shift, origin.pcs_gain),
         origin.plane or (0, 1), None, origin.end_feed, origin.override_off, origin.pcs_gain,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Block, BlockEnd, Floats, Line, Source, Spline
+from runtime.cnc.blocks import Block, BlockEnd, Floats, Line, Source, Spline, programmed_way
 from runtime.cnc.geometry.bsplines import merged
 from runtime.cnc.path_preparation.motion_pieces import Origin
 
@@ -95,9 +95,9 @@ def straight_legs(legs: Legs) -> Iterator[Block]:
         origin, (start, end) = legs.origins[i], legs.points[i : i + 2]
         number, feed = legs.numbers[i], legs.feeds[i]
         source = Source(origin.program, legs.lines[i], None if number < 0 else number)
-        gain = 1.0 if origin.pcs_gain is None else origin.pcs_gain
         yield Line(
-            source, start, end, feed, math.isinf(feed), (end - origin.pcs_shift) / gain, origin.plane or (0, 1), None, None,
+            source, start, end, feed, math.isinf(feed), programmed_way(end - origin.pcs_shift, origin.pcs_gain),
+            origin.plane or (0, 1), None, None,
             origin.override_off, origin.pcs_gain,
         )  # fmt: skip
         if legs.ends[i]:

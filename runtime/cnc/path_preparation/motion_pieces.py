@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Arc, Floats, Line, Polyline, Polynomials, Source
+from runtime.cnc.blocks import Arc, Floats, Line, Polyline, Polynomials, Source, machine_way, programmed_way
 from runtime.cnc.geometry.elements import arc_at
 
 NO_LENGTH = 1e-9  # mm
@@ -42,7 +42,7 @@ class Origin:
         return cls(
             source.program, source.line, -1 if source.n is None else source.n,
             np.inf if isinstance(motion, Line) and motion.rapid else motion.feed,
-            motion.end - motion.end_pcs * (1.0 if gain is None else gain), gain, motion.plane,
+            motion.end - machine_way(motion.end_pcs, gain), gain, motion.plane,
             motion.end_feed, motion.override_off,
         )  # fmt: skip
 
@@ -74,12 +74,11 @@ def moves(run: Polyline, begin: int, end: int) -> Polyline:
 
 def lines_of(run: Polyline) -> Iterator[Line]:
     """A run as single moves."""
-    gain = 1.0 if run.pcs_gain is None else run.pcs_gain
     for i, feed in enumerate(run.feeds.tolist()):
         number = int(run.numbers[i])
         source = Source(run.program, int(run.lines[i]), None if number < 0 else number)
         end = run.points[i + 1]
-        programmed = (end - run.pcs_shift) / gain
+        programmed = programmed_way(end - run.pcs_shift, run.pcs_gain)
         plane = run.plane or (0, 1)
         yield Line(source, run.points[i], end, feed, bool(np.isinf(feed)), programmed, plane, pcs_gain=run.pcs_gain)
 

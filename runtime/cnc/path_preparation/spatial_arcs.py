@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from runtime.cnc.blocks import Arc, Block, Polyline, SpatialArc
+from runtime.cnc.blocks import Arc, Block, Polyline, SpatialArc, machine_way
 
 CHORD_ERROR = 1e-5  # mm
 GREATEST_STEP = math.pi / 16  # rad: arcs so tiny that CHORD_ERROR would make them polygons stay round
@@ -71,7 +71,7 @@ def _chords(arc: SpatialArc, radius: float) -> Polyline:
         np.full(count, arc.feed),
         np.full(count, arc.source.line, dtype=np.int64),
         np.full(count, number, dtype=np.int64),
-        arc.end - arc.end_pcs * (1.0 if arc.pcs_gain is None else arc.pcs_gain),
+        arc.end - machine_way(arc.end_pcs, arc.pcs_gain),
         arc.pcs_gain,
         one_block=True,
     )

@@ -227,6 +227,56 @@ class Configuration(Model):
     path_preparation: PathPreparationConfiguration = PathPreparationConfiguration()
 
 
+class SystemShift(Model):
+    """`coordinate_system.def[i].path[j].translation.*`, mm."""
+
+    t1: float = 0.0  # P-CHAN-00491
+    t2: float = 0.0  # P-CHAN-00492
+    t3: float = 0.0  # P-CHAN-00493
+
+
+class SystemRotation(Model):
+    """`coordinate_system.def[i].path[j].rotation.*`, degrees."""
+
+    a1: float = 0.0  # P-CHAN-00494
+    a2: float = 0.0  # P-CHAN-00495
+    a3: float = 0.0  # P-CHAN-00496
+
+
+class SystemPlacement(Model):
+    """`coordinate_system.def[i].path[j].*`."""
+
+    translation: SystemShift = SystemShift()
+    rotation: SystemRotation = SystemRotation()
+
+
+class SystemDefinition(Model):
+    """`coordinate_system.def[i].*`: a coordinate system that programs use by its name."""
+
+    id: str = ""  # P-CHAN-00490
+    path: dict[int, SystemPlacement] = Field(default_factory=dict)  # 0 is the first path, the only one here
+
+
+class CoordinateSystemParameters(Model):
+    """`coordinate_system.*`."""
+
+    rotation_mode_fixed: bool = False  # P-CHAN-00393
+    rotation_sequence: str = "ZYX"  # P-CHAN-00394
+    axes_offsets_layer_specific: bool = True  # P-CHAN-00397
+    def_: dict[int, SystemDefinition] = Field(default_factory=dict, alias="def")
+
+    @property
+    def definitions(self) -> dict[str, tuple[float, ...]]:
+        """Name → three shifts in mm and three angles in degrees, of those that have a name."""
+        made = {}
+        for definition in self.def_.values():
+            if definition.id:
+                placed = definition.path.get(0, SystemPlacement())
+                shift, turn = placed.translation, placed.rotation
+                made[definition.id] = (shift.t1, shift.t2, shift.t3, turn.a1, turn.a2, turn.a3)
+        return made
+
+
 class ChannelParameters(Model):
     """Channel parameters under their manual names."""
 
@@ -325,6 +375,8 @@ class ChannelParameters(Model):
     dec_max_ahead_protected: str = "NONE"  # P-CHAN-00270: NONE or ACTIVE
     # couplings
     synchro_data: SynchroData = SynchroData()
+    # coordinate systems
+    coordinate_system: CoordinateSystemParameters = CoordinateSystemParameters()
     # tool radius compensation
     wrk_im_kanal_vorhanden: bool | None = None  # P-CHAN-00092; there is one as long as nobody takes it away
     # smoothing

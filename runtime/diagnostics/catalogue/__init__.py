@@ -3,6 +3,8 @@
 Ids of the manuals are kept. Our own are 300000 and up: language and decoder 300xxx, motion 301xxx, configuration 302xxx,
 fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the running machine 306xxx, tools 307xxx,
 radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx, the NCT dialect 32xxxx.
+radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx, coordinate systems
+315xxx.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from runtime.diagnostics.catalogue import (
     block_search,
     commissioning,
     configuration,
+    coordinates,
     fieldbus,
     language,
     machine,
@@ -46,6 +49,7 @@ _AREAS: tuple[ModuleType, ...] = (
     block_search,
     recorder,
     nct,
+    coordinates,
 )
 
 

@@ -177,7 +177,6 @@ def test_the_method_of_contouring() -> None:
     ("flag", "switches"),
     [
         ("TRAFO_ACTIVE", ("#TRAFO ON",)),
-        ("MCS_ACTIVE", ("#MCS ON",)),
         ("OTC_ACTIVE", ("#OTC ON",)),
         ("CAXTRACK_ACTIVE", ("#CAXTRACK ON",)),
         ("LIFT_ACTIVE", ("G00 Z[LIFT POS=25]",)),

@@ -56,7 +56,7 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
     ("$FOO\nM30", C.CONTROL_UNKNOWN, 1, 1),
     ("X1 $IF 1\nM30", C.CONTROL_PLACE, 1, 4),
     ("$FOR P1 = 1, 2\nM30", C.CONTROL_INCOMPLETE, 1, 15),
-    ("N5 #CS ON[1,2]\nM30", C.STATEMENT_UNSUPPORTED, 1, 4),
+    ("N5 #ECS ON\nM30", C.STATEMENT_UNSUPPORTED, 1, 4),
     ("X[V.A.MERF.X]\nM30", C.VARIABLE_UNSUPPORTED, 1, 3),
     ("X[V.A.NONE.X]\nM30", C.VARIABLE_UNKNOWN, 1, 3),
     ("V.G.PROG_LEVEL = 3\nM30", C.VARIABLE_READ_ONLY, 1, 1),

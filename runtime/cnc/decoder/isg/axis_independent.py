@@ -17,6 +17,7 @@ from runtime.cnc.decoder.motion import POSITION_LIMIT
 from runtime.cnc.decoder.own_motions import OwnFunction, OwnMotion
 from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.decoder.setup import AxisDynamics
+from runtime.cnc.decoder.systems import expect_unrotated
 from runtime.cnc.dynamic_settings import Slope
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form, Key, KeyKind
@@ -85,6 +86,7 @@ def _motion(x: Execution, call: StatementCall, axis: int) -> IndependentMotion:
     name = x.setup.axes[axis]
     expect_none(x, f"{name}[INDP_..]", call.column)
     expect_no_line(x)
+    expect_unrotated(x, axis, "an own motion", call.column)
     expect_uncoupled(x, f"{name}[INDP_..]", call.column)
     if x.modal.contouring or x.smoothing.spline_on or x.smoothing.hsc_on:
         raise call.error(errors.INDEPENDENT_BARRED, axis=name, what="contouring, splines or HSC are selected")

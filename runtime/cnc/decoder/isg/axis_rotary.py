@@ -14,6 +14,7 @@ from runtime.cnc.decoder.isg.axis_commands import axis_command, chosen
 from runtime.cnc.decoder.isg.registry import StatementCall
 from runtime.cnc.decoder.modulo import TURN, wrapped
 from runtime.cnc.decoder.places import begin_where_axes_are
+from runtime.cnc.decoder.systems import expect_unrotated
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.syntax import Key, KeyKind
 from runtime.diagnostics.catalogue import axes as errors
@@ -32,6 +33,7 @@ _RANGE = (Key("MIN"), Key("MAX"))
 def modulo(x: Execution, call: StatementCall, axis: int) -> None:
     """Counts within a range, or on and on; SHIFT brings the position into the range once and leaves everything as it is."""
     mode = chosen(call, "MODULO", *_MODES)
+    expect_unrotated(x, axis, "MODULO", call.column)
     state, c = x.modulo, x.coordinates
     limits = state.last_limits(axis)
     if mode in ("ON", "SHIFT"):

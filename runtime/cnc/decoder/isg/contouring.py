@@ -12,6 +12,7 @@ from runtime.cnc.decoder.isg.registry import GCall, StatementCall, StatementHand
 from runtime.cnc.decoder.smoothing import select_contouring
 from runtime.cnc.language.isg.syntax import Form, Group, Key, KeyKind
 from runtime.diagnostics.catalogue import smoothing as catalogue
+from runtime.diagnostics.catalogue.coordinates import ROTATED_POINT
 
 _SPEC = ("isg.smooth.contour-mode-command", "isg.smooth.contour-dev", "isg.smooth.contour-dist")
 _METHODS = {method.value: method for method in ContourMethod}
@@ -193,6 +194,14 @@ def length_unit(x: Execution) -> float:
 def _point(x: Execution, call: StatementCall, now: Contouring) -> tuple[float | None, float | None, float | None]:
     """The interim point in machine coordinates; main axes that are not named keep theirs, or take that of the corner."""
     point = list(now.point)
+    frame = x.coordinates.frame
+    if frame is not None and any(call.given(name) for name in "XYZ"):
+        given = [call.number(name) if call.given(name) else None for name in "XYZ"]
+        words = {axis: x.axis_value(axis, value) for axis, value in enumerate(given) if value is not None}
+        if len(words) < len(given):
+            raise call.error(ROTATED_POINT)
+        first, second, third = x.coordinates.machine(x.coordinates.target(words, False))[:3]
+        return first, second, third
     for axis, name in enumerate("XYZ"):
         value = call.number(name) if call.given(name) else None
         if value is not None and axis < len(x.setup.axes):

@@ -95,6 +95,8 @@ def _vector(name: str, old: str, field: str) -> StatementHandler:
             raise call.error(catalogue.TANGENT_ZERO)
         tip, tail = x.coordinates.target(given, False), x.coordinates.target(dict.fromkeys(given, 0.0), False)
         made = [tip[axis] - tail[axis] if axis in given else math.nan for axis in range(len(x.setup.axes))]
+        if x.coordinates.frame is not None:
+            made[:main] = (x.coordinates.frame.rotation @ made[:main]).tolist()
         length = math.hypot(*made[:main])
         whole = tuple(value / length if axis < main else value for axis, value in enumerate(made))
         changes: dict[str, Any] = {field: whole}

@@ -35,7 +35,7 @@ def section_begins(x: Execution, call: StatementCall) -> None:
         return
     expect_none(x, "#OPTIONAL EXECUTION", 1)
     x.emit(Flush(x.source, FlushKind.CONTINUE))  # no smoothed corner lies half in the section
-    x.frame.optional = list(x.coordinates.position)
+    x.frame.optional = x.coordinates.machine()
     number = None if mask is None else round_half_up(mask)
     x.emit(OptionalSection(x.source, True, call.given("SIMULATE"), number))
 
@@ -47,10 +47,11 @@ def section_ends(x: Execution, call: StatementCall) -> None:
         return
     expect_none(x, "#OPTIONAL EXECUTION", 1)
     x.frame.optional = None
-    way = np.abs(np.array(begin) - np.array(x.coordinates.position))
+    here = x.coordinates.machine()
+    way = np.abs(np.array(begin) - np.array(here))
     if way.max() > _SAME_PLACE:
         axis = int(np.argmax(way))
-        values = {"axis": x.setup.axes[axis], "begin": begin[axis], "end": x.coordinates.position[axis]}
+        values = {"axis": x.setup.axes[axis], "begin": begin[axis], "end": here[axis]}
         raise call.error(catalogue.SECTION_MOVES, "", **values)
     x.emit(Flush(x.source, FlushKind.CONTINUE))
     x.emit(OptionalSection(x.source, False))

@@ -23,13 +23,13 @@ _OWN = ("P", "V.P.", "V.S.", "V.L.", "V.CYC.")
 def command_position(x: Execution) -> list[float]:
     """Where the path stands, (n,) in machine coordinates; the decoded position where no machine is."""
     position = x.outside.command_position()
-    return x.coordinates.position if position is None else [float(p) for p in position]
+    return x.coordinates.machine() if position is None else [float(p) for p in position]
 
 
 def actual_position(x: Execution) -> list[float]:
     """Where the axes are measured, (n,) in machine coordinates; the decoded position where no machine is."""
     position = x.outside.actual_position()
-    return x.coordinates.position if position is None else [float(p) for p in position]
+    return x.coordinates.machine() if position is None else [float(p) for p in position]
 
 
 @statement(
@@ -97,7 +97,7 @@ def initialise(x: Execution, call: StatementCall) -> None:
         return
     named = _named(x, call)
     command = command_position(x)
-    position = command if actual else x.coordinates.position
+    position = command if actual else x.coordinates.machine()
     asked = actual_position(x) if actual else command
     begin = [asked[i] if i in named else position[i] for i in range(len(position))]
     _begin_at(x, begin, command if actual or begin != command else None)
@@ -140,6 +140,6 @@ def _named(x: Execution, call: StatementCall) -> frozenset[int]:
 
 def _begin_at(x: Execution, position: list[float], path: list[float] | None) -> None:
     """The decoder counts from `position`, the path goes on from `path` (None: from there too), (n,) in machine coordinates."""
-    x.coordinates.moved(position)
-    x.path_start = path
+    x.coordinates.moved_to(position)
+    x.path_start = None if path is None else x.coordinates.of_machine(path)
     x.modal_changed()

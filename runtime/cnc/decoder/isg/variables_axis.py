@@ -23,9 +23,14 @@ _LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
 # ---------------------------------------------------------------------------------------------------- coordinates
 
 
-@variable("V.A.ABS.<axis>", _COORDINATES, "coordinate of the block before with all offsets", unit=_LENGTH)
+@variable(
+    "V.A.ABS.<axis>",
+    _COORDINATES,
+    "coordinate of the block before with all offsets, in the active system",
+    unit=_LENGTH,
+)
 def absolute(x: Execution, axis: int) -> float:
-    return x.shown(axis, x.place_of(axis))
+    return x.shown(axis, x.place_in_system(axis))
 
 
 @variable("V.A.ACS.ABS.<axis>", _COORDINATES, "the same, mapped onto the machine axis", unit=_LENGTH)

@@ -37,10 +37,14 @@ def radius_compensated(x: Execution) -> float:
     return float(x.modal.compensation_side != 0)
 
 
+@variable("V.G.MCS_ACTIVE", _SPEC, "1 between #MCS ON and #MCS OFF")
+def machine_coordinates(x: Execution) -> float:
+    return float(x.systems.mcs is not None)
+
+
 # Flag → what would switch the function on: beginnings of statements, G numbers.
 ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "TRAFO_ACTIVE": (("TRAFO",), ()),
-    "MCS_ACTIVE": (("MCS",), ()),
     "OTC_ACTIVE": (("OTC",), ()),
     "CAXTRACK_ACTIVE": (("CAXTRACK",), ()),
     "STROKE_DEF_ACTIVE": (("STROKE DEF",), ()),

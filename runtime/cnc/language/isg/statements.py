@@ -32,6 +32,7 @@ _BESIDE = re.compile(r"\"(?:\\.|[^\"\\])*\"|(#(?:" + _ADDED + r")(?![A-Za-z0-9_]
 _BARE_NAME = re.compile(r"(?!V\.)[^ \t,\"]+", re.IGNORECASE)  # of a file or program, without quotes
 _DIRECTION = re.compile(r"([A-Z][A-Za-z0-9_]*?)[ \t]*([+-])[ \t]*\Z")
 _SPINDLE_NAME = re.compile(r"[Ss]\w*")
+_SYSTEM_NAME = re.compile(r"(?!P\d+\Z)[A-Z_][A-Z0-9_]*", re.IGNORECASE)  # P1 is a parameter
 _AXIS_NAME = re.compile(r"[ABCQUVWXYZ][A-Za-z0-9_]*")
 
 
@@ -183,6 +184,8 @@ class StatementParser:
             yield from self._axis_bracket(syntax, text, begin)
         elif form is Form.VARIABLES:
             yield from self._variables(text, begin)
+        elif form is Form.SYSTEM:
+            yield from self._system(syntax, text, begin)
         else:
             yield from self._words(syntax, text, begin)
 
@@ -197,6 +200,32 @@ class StatementParser:
         if text[end + 1 :].strip() or not text[opening + 1 : end].strip():
             raise self._not_understood(syntax, text, end + 1 if text[end + 1 :].strip() else opening)
         yield from self._axes(syntax, text[:end], opening + 1)
+
+    def _system(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
+        """[ID] [values]: a single bracket with one value is the ID. It is ID, with the name as `text`; of the values the place
+        of each, from 0, is its `index`."""
+        brackets: list[tuple[int, int]] = []
+        position = _skip(text, begin)
+        while text[position : position + 1] == "[" and len(brackets) < 2:
+            end = _closing(text, position)
+            if end < 0:
+                raise LineError(catalogue.BRACKET_OPEN, position + 1)
+            brackets.append((position + 1, end))
+            position = _skip(text, end + 1)
+        if text[position:].strip() or not brackets:
+            raise self._not_understood(syntax, text, position)
+        if len(brackets) == 2 or len(list(_parts(text, *brackets[0]))) == 1:
+            start, stop = brackets.pop(0)
+            name, column = text[start:stop].strip(), _skip(text, start) + 1
+            if not name:
+                raise self._not_understood(syntax, text, start - 1)
+            if _SYSTEM_NAME.fullmatch(name):
+                yield Argument("ID", column, text=name.upper())
+            else:
+                value = expressions.number(self._blocks.expression(text[column - 1 : stop], column), "ID", column)
+                yield Argument("ID", column, value)
+        for start, stop in brackets:
+            yield from self._places(syntax, text, start, stop)
 
     def _words(self, syntax: StatementSyntax, text: str, begin: int) -> Iterator[Argument]:
         """Words, then a bracket with keys, a message or assignments."""

@@ -113,6 +113,9 @@ class Form(Enum):
     PLACES = auto()  # [1,,P3]: values by their place, places may stay empty
     DIRECTION = auto()  # [Z+]: an axis and a sign
     PAIRS = auto()  # [1, Z=Y, 4=2]: a number, then pairs of axes by name or number
+    SYSTEM = (
+        auto()
+    )  # [2] [10,0,5,,,45]: number or name of a coordinate system, values by their place; either may be missing
     SPINDLE = auto()  # [S2] or [11]: the name of a spindle, or its logical axis number
 
 
