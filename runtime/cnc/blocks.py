@@ -171,7 +171,9 @@ def programmed_way(way: Floats, gain: Floats | None) -> Floats:
     """Ways (n_axes,) or (k, n_axes) of the machine as they are programmed: one per axis by itself, or (n_axes, n_axes)."""
     if gain is None:
         return way
-    made: Floats = way / gain if gain.ndim == 1 else np.linalg.solve(gain, way.T).T
+    if gain.ndim == 1:
+        return way / gain
+    made: Floats = np.asarray(np.linalg.solve(gain, way.T).T, dtype=np.float64)
     return made
 
 

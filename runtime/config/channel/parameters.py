@@ -268,7 +268,7 @@ class CoordinateSystemParameters(Model):
     @property
     def definitions(self) -> dict[str, tuple[float, ...]]:
         """Name → three shifts in mm and three angles in degrees, of those that have a name."""
-        made = {}
+        made: dict[str, tuple[float, ...]] = {}
         for definition in self.def_.values():
             if definition.id:
                 placed = definition.path.get(0, SystemPlacement())
