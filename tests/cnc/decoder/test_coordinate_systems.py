@@ -417,7 +417,7 @@ def test_coordinates_count_in_the_selected_system() -> None:
         STACK + "G00 X1 Y2 Z3\n#CS SELECT [WCS]\nX1 Y2 Z3\n#CS SELECT [PCS]\nX1 Y2 Z3\n#CS SELECT [ICS]\nX1 Y2 Z3\nM30"
     )
     two = ICS.holding(WCS)
-    expected = [(1, 2, 3), two.outer((1, 2, 3)), two.holding(PCS).outer((1, 2, 3)), ICS.outer((1, 2, 3))]
+    expected = np.array([(1, 2, 3), *(system.outer((1, 2, 3)) for system in (two, two.holding(PCS), ICS))])
     np.testing.assert_allclose(machine_ends(text), expected, atol=1e-9)
 
 

@@ -80,7 +80,8 @@ def test_the_typed_parameters_are_those_in_use_with_the_defaults_of_the_register
 
     def leaves(model: type, beginning: str) -> dict[str, object]:
         found: dict[str, object] = {}
-        for name, info in model.model_fields.items():  # type: ignore[attr-defined]
+        for field, info in model.model_fields.items():  # type: ignore[attr-defined]
+            name = info.alias or field
             annotation = info.annotation
             inner = [a for a in getattr(annotation, "__args__", ()) if hasattr(a, "model_fields")]
             if hasattr(annotation, "model_fields"):
