@@ -30,7 +30,7 @@ from runtime.cnc.decoder import (
 )
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.path_preparation import LateSynchronisation, MicroJointSettings, SoftwareLimits
-from runtime.cnc.path_preparation.errors import SoftwareLimitError
+from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.stages import prepared
 from runtime.cnc.tool_radius_comp import CompensationError
 from runtime.cnc.tools.table import MemoryTools
@@ -110,7 +110,7 @@ def check(
             if decoder.executed > EXECUTED_LIMIT:
                 typer.echo(f"{file}: not followed beyond {EXECUTED_LIMIT} executed blocks", err=True)
                 break
-    except (SoftwareLimitError, CompensationError) as error:
+    except (PathError, CompensationError) as error:
         assert program is not None
         return (located(program, error.problem),), (*warnings, *(decoder.warnings if decoder else ()))
     except ProgramError as error:

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.cnc.blocks import Arc, Floats, FrameChange, Polyline, SpatialArc
-from runtime.cnc.decoder import DecoderSetup
+from runtime.cnc.blocks import Arc, Floats, FrameChange, Line, Polyline, SpatialArc
+from runtime.cnc.decoder import DecoderSetup, Offline
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.geometry.frames import Frame, rotation_of
-from runtime.cnc.path_preparation import PathError
+from runtime.cnc.path_preparation import Frames, PathError
 from runtime.cnc.tools.table import MemoryTools
 from runtime.cnc.tools.tool import Tool
 from runtime.diagnostics.catalogue import coordinates as catalogue
@@ -187,6 +187,8 @@ def test_the_off_of_a_system_takes_no_id() -> None:
         ("#CS ON [NONE]", (catalogue.SYSTEM_UNKNOWN, 1, 9)),
         ("#CS ON [1,2,3,4,5,6,7]", (catalogue.SYSTEM_VALUES, 1, 1)),
         ("#CS DEF [1]", (catalogue.SYSTEM_VALUES, 1, 1)),
+        ("#CS ON [214001,0]", (catalogue.SYSTEM_VALUES, 1, 1)),
+        ("#CS ON [0,0,0,0,-214001]", (catalogue.SYSTEM_VALUES, 1, 1)),
         ("#CS ON [0.4][1,2]", (catalogue.SYSTEM_ID, 1, 9)),
         ("#CS ON [1][2,3] X", (language.STATEMENT_ARGUMENTS, 1, 17)),
         ("#CS ON [][2,3]", (language.STATEMENT_ARGUMENTS, 1, 8)),
@@ -630,3 +632,80 @@ def test_what_a_turned_main_axis_cannot_do() -> None:
     assert entry(f"{turned}X[MODULO ON MIN=0 MAX=5]\nM30") == (catalogue.ROTATED, 2, 1)
     assert entry(f"{turned}#CONTOUR MODE [POS X1 Y2]\nM30") == (catalogue.ROTATED_POINT, 2, 1)
     assert machine_ends("#CS ON [1,0,0]\nX[INDP_SYN POS=5 FEED=100]\nG00 Y1\nM30")[-1] == [5, 1, 0]
+
+
+def test_a_master_of_a_coupling_is_not_turned() -> None:
+    """The slave follows the machine axis, and a turned system moves that with others."""
+    setup = replace(FIVE, linear=(True,) * 5, log_axes=(1, 2, 3, 4, 5))
+    link = "#AX LINK [1, A=X]\n#AX LINK ON [1]\n"
+    for turned in (
+        "#CS ON [0,0,0,1]",
+        "#CS ADD [Q] [0,0,0,1]\n#CS SELECT [Q]",
+        "#CS ADD [Q] [1,0]\n#CS SELECT [Q]\n#CS SET [Q] [0,0,0,1]",
+    ):
+        run = decode(f"{link}{turned}\nM30", setup, start=(0.0,) * 5)
+        assert run.problem is not None
+        assert (run.problem.entry, run.problem.place.line) == (catalogue.COUPLED, 3 + turned.count("\n"))
+    other = decode(f"#CS ON [0,0,0,1]\n{link}M30", setup, start=(0.0,) * 5)
+    assert other.problem is not None
+    assert "turned by a coordinate system" in str(other.problem)
+    fine = decode(
+        f"{link}#CS ON [7,0,0]\nG00 X5\nP1=V.A.ACS.ABS.A P2=V.A.ABS.A\n#CS OFF\n#AX LINK OFF\nM30",
+        setup,
+        start=(0.0,) * 5,
+    )
+    assert fine.problem is None
+    assert fine.parameters == {1: 12, 2: 12}
+
+
+def test_an_own_motion_is_waited_for_before_the_system_changes() -> None:
+    run = decode("X[INDP_ASYN POS=5 FEED=100]\n#CS ON [0,0,0,0,0,90]\nG91 G00 X0\nM30")
+    assert run.problem is None
+    kinds = [type(block).__name__ for block in run.blocks]
+    assert kinds.index("IndependentMotion") < kinds.index("IndependentWait") < kinds.index("FrameChange")
+
+
+def test_the_path_goes_on_from_where_it_stands_in_a_new_system() -> None:
+    """Behind #CHANNEL INIT [ACTPOS] the path stands beside the place that the decoder counts from."""
+
+    class Beside(Offline):
+        def command_position(self) -> Floats:
+            return np.array([10.0, 0.0, 0.0])
+
+        def actual_position(self) -> Floats:
+            return np.array([11.0, 0.0, 0.0])
+
+    outside = Beside()
+    run = decode("#CHANNEL INIT [ACTPOS]\n#CS ON [0,0,0,0,0,90]\nG01 F100 X5\nM30", outside=outside)
+    assert run.problem is None
+    (line,) = [b for b in Frames()(run.blocks) if isinstance(b, Line)]
+    np.testing.assert_allclose(line.start, [10, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(line.end, [11, 5, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [0, 90])
+def test_the_share_of_the_greatest_velocity_is_that_of_the_machine_axes(turn: int) -> None:
+    """G194: X may go 10 mm/s and Y 40; in a system that is turned by 90° a word X moves Y."""
+    setup = replace(SETUP, axis_velocity=(10.0, 40.0, 5.0))
+    line, arc = (
+        block
+        for block in on_machine(f"#CS ON [0,0,0,0,0,{turn}]\nG194 F50 G01 X100\nG02 X110 Y10 I10 J0\nM30", setup).blocks
+        if isinstance(block, Line | Arc)
+    )
+    assert line.feed == pytest.approx((5 if turn == 0 else 20) * 60)
+    assert arc.feed <= 10 * 0.5 * 60 + 1e-9
+
+
+def test_directions_and_points_of_curves_are_those_of_the_system() -> None:
+    run = decode("#CS ON [1,0,0,0,0,90]\n#AKIMA STARTVECTOR X1 Y0 Z0\n#CONTOUR MODE [POS X1 Y2 Z3]\nM30")
+    assert run.problem is None
+    x = run.decoder.execution
+    np.testing.assert_allclose(x.smoothing.akima.start_vector, [0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose(x.smoothing.contouring.point, [-1, 1, 3], atol=1e-12)
+
+
+def test_a_tool_that_moves_the_axes_at_once_moves_those_of_the_machine() -> None:
+    setup = replace(SETUP, tools=replace(SETUP.tools, direct_offsets=True))
+    memory = ChannelMemory(setup, MemoryTools((Tool(number=1, length=30.0),)))
+    ends = machine_ends("#CS ON [0,0,0,90]\nG00 X1 Y2 Z3\nD1\nX1 Y2 Z3\nM30", setup, memory=memory)
+    np.testing.assert_allclose(ends, [[1, -3, 2], [1, -3, 32], [1, -3, 32]], atol=1e-9)

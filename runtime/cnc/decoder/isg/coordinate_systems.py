@@ -10,12 +10,11 @@ Nothing moves. A system lies in the one that is active below it, by three shifts
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import StatementCall, statement
+from runtime.cnc.decoder.motion import POSITION_LIMIT
 from runtime.cnc.decoder.system_state import DEFINITIONS, Group, System
 from runtime.cnc.decoder.systems import (
     Changing,
@@ -50,8 +49,9 @@ def placement_of(x: Execution, call: StatementCall) -> Frame | None:
         given = True
         if argument.index >= _COMPONENTS:
             raise call.error(errors.SYSTEM_VALUES, "", statement=title(call), what="there are more than six values")
-        if not math.isfinite(value):
-            raise call.error(errors.SYSTEM_VALUES, "", statement=title(call), what="a value is not finite")
+        if not abs(value) <= POSITION_LIMIT:
+            what = f"{value:g} is beyond ±{POSITION_LIMIT:.0f}"
+            raise call.error(errors.SYSTEM_VALUES, "", statement=title(call), what=what)
         values[argument.index] = value
     if not given:
         return None
