@@ -74,6 +74,8 @@ class BesidePath:
     ) -> None:
         self._described = list(axes)
         self._parameters = parameters
+        mask = parameters.suppress_soft_limit_monitoring_axes
+        self._unwatched = [bool(mask >> k & 1) for k in range(len(axes))]  # P-CHAN-00459
         self._cam = cam
         self._shift = shift
         self.axes = [ManualAxis(axis, period, k + 1) for k, axis in enumerate(axes)]
@@ -380,6 +382,9 @@ class BesidePath:
         """Of the offset: the software limits as seen from the path, and the relative limits from where the hand was let in."""
         place, velocity = float(path.position[k]), float(path.velocity[k])
         low, high = self._software_limits(k)
+        if not hand.exclusive and self._unwatched[k]:  # the relative limits bound the offset, where it has some
+            low = -math.inf if math.isfinite(hand.relative[0]) else low
+            high = math.inf if math.isfinite(hand.relative[1]) else high
         if dynamic is not None:
             low, high = max(low, dynamic[0]), min(high, dynamic[1])
         if not hand.exclusive and velocity:  # where the path would come to rest
@@ -407,7 +412,7 @@ class BesidePath:
             hand = self.axes[k].motion
             offset = hand.position + math.copysign(stopping_way(axis, abs(hand.velocity), MANUAL_SHARE), hand.velocity)
             offset = max(self._reach[k][0], min(offset, self._reach[k][1]))  # it brakes before the bounds by itself
-            low, high = self._software_limits(k)
+            low, high = (-math.inf, math.inf) if self._unwatched[k] else self._software_limits(k)
             beyond = (ahead.lowest[:, k] + offset < low - _SMALL) | (ahead.highest[:, k] + offset > high + _SMALL)
             if self.by_hand[k] != 0.0 and bool((beyond & near).any()):
                 self._told = True

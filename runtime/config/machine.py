@@ -148,6 +148,7 @@ class Axis(Model):
     log_axis: int = Field(ge=1, le=65535)
     position_min: Length | None = None  # software limits
     position_max: Length | None = None
+    limit_tolerance: Annotated[Length, Field(ge=0)] = 0.0  # P-AXIS-00179, beyond them at rest (P-CHAN-00120)
     velocity: Velocity  # greatest velocity, also that of rapid traverse
     acceleration: Acceleration
     jerk: Jerk

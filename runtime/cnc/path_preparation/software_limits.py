@@ -7,7 +7,7 @@ a polynomial its turning points.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +23,7 @@ from runtime.cnc.blocks import (
     Polyline,
     Polynomials,
     SoftwareLimitChange,
+    Source,
 )
 from runtime.cnc.geometry.elements import cosine_range
 from runtime.cnc.path_preparation.errors import SoftwareLimitError
@@ -93,20 +94,37 @@ def _first_moves(run: Polyline, count: int) -> Polyline:
     )
 
 
+def axes_of(mask: int, axes: int) -> frozenset[int]:
+    """The axes of the channel whose bit is set."""
+    return frozenset(axis for axis in range(axes) if mask >> axis & 1)
+
+
 class SoftwareLimits:
     """The stage. `names`, `position_min`, `position_max`: one element per axis of the channel; None where there is no
     limit. A program may change them for itself (G98, G99); the next one begins with these again.
 
-    Raises SoftwareLimitError before it yields the block that would leave the range. Where POS_LIMIT says so, the block is let
-    through, and `warnings` gets a warning for the line.
+    Raises SoftwareLimitError before it yields the block that would leave the range. Where POS_LIMIT says so, or for an axis of
+    `warning` (P-CHAN-00147), the block is let through, and `warnings` gets a warning for the line; the cycle watches where the
+    axis is. Axes of `free` (P-CHAN-00459) have no limits here. `tolerance` (P-CHAN-00120): by how much an axis that rests may
+    lie beyond, mm or degrees.
     """
 
     def __init__(
-        self, names: Sequence[str], position_min: Sequence[float | None], position_max: Sequence[float | None]
+        self,
+        names: Sequence[str],
+        position_min: Sequence[float | None],
+        position_max: Sequence[float | None],
+        *,
+        warning: Collection[int] = (),
+        free: Collection[int] = (),
+        tolerance: Sequence[float] = (),
     ) -> None:
         self._names = list(names)
+        self._warning, self._free = frozenset(warning) - frozenset(free), frozenset(free)
+        self._tolerance: Floats | None = np.array(tolerance, dtype=np.float64) if any(tolerance) else None
         self._low: Floats = np.array([-np.inf if p is None else p for p in position_min]) - ROUNDING
         self._high: Floats = np.array([np.inf if p is None else p for p in position_max]) + ROUNDING
+        self._low[list(self._free)], self._high[list(self._free)] = -np.inf, np.inf
         self._configured = self._low, self._high
         self._warning_low, self._warning_high = np.full(len(names), -np.inf), np.full(len(names), np.inf)
         self._warns = False
@@ -117,7 +135,15 @@ class SoftwareLimits:
         """The limits of the axes of a channel."""
         names = machine.channels[channel].axes
         axes = [machine.axes[machine.axis_index(name)] for name in names]
-        return cls(names, [axis.position_min for axis in axes], [axis.position_max for axis in axes])
+        parameters = machine.channels[channel].parameters
+        return cls(
+            names,
+            [axis.position_min for axis in axes],
+            [axis.position_max for axis in axes],
+            warning=axes_of(parameters.soft_limit_warning_axes, len(names)),
+            free=axes_of(parameters.suppress_soft_limit_monitoring_axes, len(names)),
+            tolerance=[axis.limit_tolerance for axis in axes] if parameters.soft_limit_tolerance else (),
+        )
 
     @property
     def configured(self) -> tuple[tuple[float, float], ...]:
@@ -130,9 +156,9 @@ class SoftwareLimits:
         return np.clip(position, self._low, self._high)
 
     def __call__(self, blocks: Iterable[Block], warnings: list[Problem] | None = None) -> Iterator[Block]:
-        self._low, self._high = self._configured
-        self._warns = False
         self._watched.clear()
+        behaviour = (LimitBehaviour.ERROR,) * len(self._names)
+        yield from self._change(SoftwareLimitChange(Source("", 0), self.configured, behaviour))
         for block in blocks:
             if isinstance(block, SoftwareLimitChange):
                 yield from self._change(block)
@@ -140,7 +166,7 @@ class SoftwareLimits:
             if self._warns and warnings is not None:
                 self._warn(block, warnings)
             if isinstance(block, Polyline):
-                count = first_beyond(block.points, self._low, self._high)
+                count = self._moves_within(block)
                 if count < len(block.feeds):
                     if count:
                         yield _first_moves(block, count)  # they are blocks of their own, which are right
@@ -154,8 +180,11 @@ class SoftwareLimits:
         low = np.array([low for low, _ in change.limits]) - ROUNDING
         high = np.array([high for _, high in change.limits]) + ROUNDING
         lenient = np.zeros(len(low), dtype=np.bool_)
-        for axis, behaviour in enumerate(change.behaviour):
-            lenient[axis] = behaviour is not LimitBehaviour.ERROR
+        low[list(self._free)], high[list(self._free)] = -np.inf, np.inf
+        for axis, behaviour in enumerate(change.behaviour or (LimitBehaviour.ERROR,) * len(low)):
+            if axis in self._free:
+                continue
+            lenient[axis] = behaviour is not LimitBehaviour.ERROR or axis in self._warning
             if lenient[axis] or axis in self._watched:
                 limits = change.limits[axis] if lenient[axis] else (-np.inf, np.inf)
                 yield ActualLimit(change.source, axis, *limits, behaviour is LimitBehaviour.ERROR_LR)
@@ -181,40 +210,67 @@ class SoftwareLimits:
     def check(self, block: Block) -> None:
         """Raise SoftwareLimitError if `block` leaves the range of an axis."""
         if isinstance(block, Line):
-            if ((block.end < self._low) | (block.end > self._high)).any():
-                self._refuse(block.end, "the target", block.source.program, block.source.line)
+            low, high = self._range(block.start, block.end)
+            if ((block.end < low) | (block.end > high)).any():
+                self._refuse(block.end, low, high, "the target", block.source.program, block.source.line)
         elif isinstance(block, Arc):
-            low, high = _reach(block)
-            for extreme in (low, high):
-                if ((extreme < self._low) | (extreme > self._high)).any():
-                    at_target = bool(((block.end < self._low) | (block.end > self._high)).any())
+            low, high = self._range(block.start, block.end, block.plane)
+            for extreme in _reach(block):
+                if ((extreme < low) | (extreme > high)).any():
+                    at_target = bool(((block.end < low) | (block.end > high)).any())
                     self._refuse(
                         block.end if at_target else extreme,
+                        low,
+                        high,
                         "the target" if at_target else "the turning point of the arc",
                         block.source.program,
                         block.source.line,
                     )
         elif isinstance(block, Polynomials):
             for element, coefficients in enumerate(block.coefficients):
-                for extreme in polynomial_reach(coefficients, self._low, self._high):
-                    if ((extreme < self._low) | (extreme > self._high)).any():
-                        self._refuse(extreme, "the smoothed path", block.program, int(block.lines[element]))
+                low, high = self._low, self._high
+                if self._tolerance is not None:
+                    low, high = self._range(coefficients[0], coefficients[0] + np.abs(coefficients[1:]).sum(axis=0))
+                for extreme in polynomial_reach(coefficients, low, high):
+                    if ((extreme < low) | (extreme > high)).any():
+                        self._refuse(extreme, low, high, "the smoothed path", block.program, int(block.lines[element]))
         elif isinstance(block, Polyline):
-            count = first_beyond(block.points, self._low, self._high)
+            count = self._moves_within(block)
             if count < len(block.feeds):
                 self._refuse_move(block, count)
         elif isinstance(block, IndependentMotion):
             position = np.clip(np.zeros(len(self._low)), self._low, self._high)
             position[block.axis] = block.target
             if not self._low[block.axis] <= block.target <= self._high[block.axis]:
-                self._refuse(position, "the target", block.source.program, block.source.line)
+                self._refuse(position, self._low, self._high, "the target", block.source.program, block.source.line)
+
+    def _range(self, start: Floats, end: Floats, turning: Sequence[int] = ()) -> tuple[Floats, Floats]:
+        """Where the axes of a motion from `start` to `end` may be, (n_axes,) each; those of `turning` do not rest."""
+        if self._tolerance is None:
+            return self._low, self._high
+        rests = np.abs(end - start) <= ROUNDING
+        rests[list(turning)] = False
+        more = np.where(rests, self._tolerance, 0.0)
+        return self._low - more, self._high + more
+
+    def _moves_within(self, run: Polyline) -> int:
+        """How many moves of a run come before one that does not stay within the limits; all of them if they do."""
+        count = first_beyond(run.points, self._low, self._high)
+        while self._tolerance is not None and count < len(run.feeds):  # the axis may rest there
+            low, high = self._range(run.points[count], run.points[count + 1])
+            beyond = (run.points[count + 1] < low) | (run.points[count + 1] > high)
+            if beyond.any():
+                break
+            count += 1 + first_beyond(run.points[count + 1 :], self._low, self._high)
+        return int(count)
 
     def _refuse_move(self, run: Polyline, move: int) -> None:
-        self._refuse(run.points[move + 1], "the target", run.program, int(run.lines[move]))
+        low, high = self._range(run.points[move], run.points[move + 1])
+        self._refuse(run.points[move + 1], low, high, "the target", run.program, int(run.lines[move]))
 
-    def _refuse(self, position: Floats, what: str, program: str, line: int) -> None:
-        below = position < self._low
-        axis = int(np.argmax(below | (position > self._high)))
+    def _refuse(self, position: Floats, low: Floats, high: Floats, what: str, program: str, line: int) -> None:
+        below = position < low
+        axis = int(np.argmax(below | (position > high)))
         limit = float(self._low[axis] + ROUNDING if below[axis] else self._high[axis] - ROUNDING)
         raise SoftwareLimitError(
             SOFTWARE_LIMIT,

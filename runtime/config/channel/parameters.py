@@ -329,6 +329,9 @@ class ChannelParameters(Model):
     mittelpkt_faktor: int = 50  # P-CHAN-00060, 0.1 % of the radius
     max_radius_diff_circle: int = 0  # P-CHAN-00171, 0.1 µm; 0: off
     max_proz_radius_diff_circle: int = 0  # P-CHAN-00172, 0.1 % of the radius; 0: off
+    soft_limit_tolerance: bool = False  # P-CHAN-00120, axes at rest may lie beyond their limits a little
+    soft_limit_warning_axes: int = 0  # P-CHAN-00147, bits of axes whose limits only warn
+    suppress_soft_limit_monitoring_axes: int = 0  # P-CHAN-00459, bits of axes without limits on the path
     range_check_prog_soft_limits: bool = False  # P-CHAN-00498, G98 and G99 clamp to the limits of the axis
     versch_im_durchm: bool = False  # P-CHAN-00091, offsets of the facing axis are diameters
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
