@@ -41,7 +41,7 @@ LIMIT_REACHED = ErrorEntry(
 )
 LIMIT_PASSED = ErrorEntry(
     312505,
-    "axis {axis} has come to {position:.4f}, beyond its software limit {limit:.4f}, which only warns (POS_LIMIT)",
+    "axis {axis} has come to {position:.4f}, beyond its software limit {limit:.4f}, which only warns",
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
     source="programming manual line 31012",

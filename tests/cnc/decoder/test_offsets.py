@@ -182,7 +182,7 @@ def test_software_limits_are_changed_in_their_order() -> None:
     assert kinds == ["Polyline", "SoftwareLimitChange", "Polyline", "Stop"]
 
 
-@pytest.mark.spec("isg.g.soft-limits-extension")
+@pytest.mark.spec("isg.g.soft-limits-extension", "chan.sls.programmed")
 def test_limits_may_be_kept_from_growing() -> None:
     assert limits("G98 X-500\nG99 X500 Z40\nG98 X-50\nM30", clamped=True) == [
         ((-100, 100), _OPEN, (0, 50)),
@@ -194,6 +194,7 @@ def test_limits_may_be_kept_from_growing() -> None:
         catalogue.LIMIT_CLAMPED_NEGATIVE,
         catalogue.LIMIT_CLAMPED_POSITIVE,
     ]
+    assert [warning.entry.id for warning in run.decoder.warnings] == [21648, 21650]
 
 
 @pytest.mark.spec("isg.g.soft-limits-g98-g99")
