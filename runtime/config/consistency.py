@@ -109,8 +109,8 @@ def _drives(machine: Machine) -> Iterator[Contradiction]:
         if drive is None:
             continue
         if drive.gantry is not None:
-            if by_drive:
-                reason = "each of the two drives would home by itself"
+            if by_drive and abs(drive.gantry.offset or 0.0) > drive.gantry.difference:
+                reason = "each end stops at its own reference, and `offset` is greater than `difference`"
                 yield _against(index, ("homing", "method"), axis.name, "homing by the drive", reason)
             if axis.type.value == "spindle":
                 yield _against(index, ("drive", "gantry"), axis.name, "a second drive", "it is a spindle")

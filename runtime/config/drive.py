@@ -76,7 +76,9 @@ class Gantry(Model):
     node: int = Field(ge=1, le=127)
     increments_per_unit: Annotated[float, Field(gt=0)] | None = None  # default: as the first drive
     difference: Annotated[Length, Field(gt=0)]  # greatest difference between both ends; beyond it the axis stops
-    offset: Length | None = None  # of the second encoder against the first; default: as they stand at start
+    # of the second encoder against the first; default: as they stand at start. If the drives home: as they count from then on,
+    # when the axis is square; default: 0
+    offset: Length | None = None
     simulated: SimulatedServo = SimulatedServo()
 
 

@@ -127,7 +127,9 @@ def _drive_links(
     gantry = drive.gantry
     if gantry is None:
         return [_drive_link(axis, index, drive, period, first_input, cob_ids)]
-    first, second = GantryEnd.pair(gantry.difference, period, gantry.offset)
+    by_drive = axis.homing is not None and axis.homing.method is not None
+    speed = max(axis.homing.fast, axis.homing.slow) if axis.homing is not None and by_drive else None
+    first, second = GantryEnd.pair(gantry.difference, period, gantry.offset, speed)
     scale = gantry.increments_per_unit or drive.increments_per_unit
     other = drive.model_copy(update={"node": gantry.node, "increments_per_unit": scale, "inputs": {}})
     return [

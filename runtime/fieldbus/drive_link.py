@@ -63,6 +63,7 @@ class ExtendedDriveLink(DriveLink):
     _target: float = 0.0  # set-point of the cycle before, units; that of the axis
     _speed: float = 0.0  # units/s, of the cycle before
     _followed: bool = False  # the cycle before had a set-point of the axis
+    _held: int | None = None  # increments, where an end of a gantry waits for the other
 
     def __post_init__(self) -> None:
         available = self.modes | {self.mode}
@@ -176,8 +177,10 @@ class ExtendedDriveLink(DriveLink):
         cycles = self._cycles + 1
         DriveLink.feedback(self, image, period)
         i, status = self.axis, self._status
-        if self.end is not None and self.end.second:
-            return
+        if self.end is not None:
+            self._watch_ends(self.end, image, cycles)
+            if self.end.second:
+                return
         image.mode_shown[i] = self.mode_control.shown
         image.target_reached[i] = bool(status & cia402.TARGET_REACHED)
         image.limited[i] = bool(status & cia402.LIMIT_ACTIVE)
@@ -192,12 +195,18 @@ class ExtendedDriveLink(DriveLink):
             DriveLink._publish(self, image, state, velocity)
             return
         end.state = state
-        end.place = self._increments / self.increments_per_unit
         if not end.second:
             DriveLink._publish(self, image, end.joint_state, velocity)
             return
         image.state[self.axis] = end.joint_state
-        if end.found_skewed():
+
+    def _watch_ends(self, end: GantryEnd, image: DriveImage, cycles: int) -> None:
+        """Where this end is; `cycles` since it was told last."""
+        end.ready = self.mode_control.ready_to_home
+        if self._cycles:
+            return  # nothing has come
+        end.goes_to(self._increments / self.increments_per_unit, cycles, self.increments_per_unit)
+        if end.second and end.found_skewed():
             text = f"{end.difference:+.3f}"
             image.events.append(self.event(catalogue.GANTRY_SKEWED.id, 0, text))
 
@@ -206,6 +215,8 @@ class ExtendedDriveLink(DriveLink):
         self.mode_control.lose()
         if self.end is not None:
             self.end.state = DriveState.OFFLINE
+            self.end.homing, self.end.by_drive = self.mode_control.homing, False
+            self.end.ready = self.end.homing_error = False
 
     # -- set-points --------------------------------------------------------------------------------------------------
 
@@ -222,10 +233,16 @@ class ExtendedDriveLink(DriveLink):
         word = self.control.order(enable, quick_stop or self.invalid, reset_fault)
         enabled = word == cia402.ENABLE_OPERATION and self.control.state is DriveState.OPERATION_ENABLED
         goal = round((float(image.profile_target[i]) - float(image.origin[i])) * self.increments_per_unit)
+        home, together = bool(image.homing_request[i]), True
+        if end is not None:
+            home, together = end.homes(home), end.other.ready
         out[_CONTROLWORD] = word | modes.order(
-            int(image.mode[i]), bool(image.homing_request[i]), bool(image.halt[i]), enabled, self._status, goal
+            int(image.mode[i]), home, bool(image.halt[i]), enabled, self._status, goal, together=together
         )
-        follows = enabled and not modes.by_drive and (end is None or end.both_enabled)
+        follows = enabled and not modes.by_drive
+        if end is not None:
+            end.homing, end.homing_error, end.by_drive = modes.homing, modes.homing_error, modes.by_drive
+            follows = follows and end.both_enabled and not end.waits
         self._set_points(image, target, goal, enabled, follows)
         out[_MODE] = modes.ordered
         if self._probes:
@@ -242,6 +259,10 @@ class ExtendedDriveLink(DriveLink):
     def _set_points(self, image: DriveImage, target: float, goal: int, enabled: bool, follows: bool) -> None:
         out, modes, scale = self._out, self.mode_control, self.increments_per_unit
         stand = self._raw_position
+        if self.end is not None and enabled and self.end.waits:
+            stand = self._held = stand if self._held is None else self._held
+        else:
+            self._held = None
         out[_POSITION] = out[_INTERPOLATED] = stand
         out[_VELOCITY] = out[_TORQUE] = 0
         speed = acceleration = 0.0
@@ -305,17 +326,19 @@ class ExtendedDriveLink(DriveLink):
                 pass
 
     def _tell_modes(self, image: DriveImage) -> None:
-        modes, i = self.mode_control, self.axis
-        if self.end is not None and self.end.second:
-            return
+        modes, i, end = self.mode_control, self.axis, self.end
         if modes.attained:  # the drive has its reference and counts from it, as the frame with the status word tells
             self._increments = self._raw_position
+        if end is not None and end.second:
+            return
+        if modes.attained:
             image.origin[i] = self.home_position
             image.actual_position[i] = self._place(image, self._increments)
         if modes.refused:
             image.events.append(self.event(catalogue.MODE_NOT_SHOWN.id, int(modes.ordered)))
-        image.homing_state[i] = modes.homing
-        image.by_drive[i] = modes.by_drive
+        squaring = end.squaring if end is not None else None
+        image.homing_state[i] = modes.homing if squaring is None else squaring.state
+        image.by_drive[i] = modes.by_drive or (squaring is not None and squaring.watches)
 
 
 def clamp32(value: int) -> int:

@@ -57,6 +57,7 @@ class ModeControl:
     homing: HomingState = HomingState.IDLE
     attained: bool = False  # in this cycle the drive has said that it has its reference
     refused: bool = False  # in this cycle the drive has failed to show a mode
+    homing_error: bool = False  # in this cycle the drive tells one
     _phase: Phase = Phase.NONE
     _result: HomingState = HomingState.IDLE
     _time: float = 0.0  # s in this phase
@@ -77,18 +78,26 @@ class ModeControl:
         return self.shown == self.ordered
 
     @property
+    def ready_to_home(self) -> bool:
+        """The drive shows the homing mode, as ordered."""
+        return self.settled and self.ordered is DriveMode.HOMING
+
+    @property
     def by_drive(self) -> bool:
         """The axis does not say where the drive goes."""
         return not (self.settled and self.ordered is self.configured and self._phase in (Phase.NONE, Phase.OVER))
 
-    def order(self, wanted: int, home: bool, halt: bool, enabled: bool, status: int, target: int) -> int:
+    def order(
+        self, wanted: int, home: bool, halt: bool, enabled: bool, status: int, target: int, *, together: bool = True
+    ) -> int:
         """The bits of the control word beside those of the state machine, 0 for a drive that is not enabled.
 
-        `wanted`: a `DriveMode`; `target`: of profile position mode, increments; `status`: the status word of this cycle.
+        `wanted`: a `DriveMode`; `target`: of profile position mode, increments; `status`: the status word of this cycle;
+        `together`: who has to home at the same time is ready for it.
         """
-        self.attained = self.refused = False
+        self.attained = self.refused = self.homing_error = False
         self._time += self.period
-        self._home(home, halt, enabled, status)
+        self._home(home, halt, enabled, status, together)
         if self._phase in (Phase.ENTERING, Phase.RUNNING, Phase.STOPPING):
             self._choose(DriveMode.HOMING)
         elif wanted in self.available and wanted:
@@ -159,7 +168,7 @@ class ModeControl:
         self.homing = state
         self._enter(Phase.OVER)
 
-    def _home(self, home: bool, halt: bool, enabled: bool, status: int) -> None:
+    def _home(self, home: bool, halt: bool, enabled: bool, status: int, together: bool) -> None:
         match self._phase:
             case Phase.NONE:
                 if not home:
@@ -178,7 +187,7 @@ class ModeControl:
             case Phase.ENTERING:
                 if not home:
                     self._stop()
-                elif self.shown == DriveMode.HOMING and self.settled:
+                elif self.ready_to_home and together:
                     self._enter(Phase.RUNNING)
                 elif self._time > MODE_TIME:
                     self._leave(HomingState.FAILED)
@@ -207,7 +216,8 @@ class ModeControl:
             self._seen = True
             self._interrupted = 0.0
         elif error:
-            if rests and self._time > 3.0 * self.period:
+            self.homing_error = self._time > 3.0 * self.period  # one of before may still stand
+            if rests and self.homing_error:
                 self._leave(HomingState.FAILED)
         elif attained:
             # what was attained before may still stand until the drive has begun

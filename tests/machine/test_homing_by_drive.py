@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from runtime.config.drive import Gantry
 from runtime.config.machine import HomingSetup, Machine, SimulatedServo
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.drives import DriveState
@@ -156,3 +157,24 @@ def test_ideal_axes_have_their_reference_where_they_stand(demo: Machine, tmp_pat
     driven.until(lambda: not driven.channel.active)
     assert driven.hli.axes[X].status.referenced_r
     assert driven.image.target_position[X] == pytest.approx(3.0)
+
+
+def test_a_gantry_is_homed_by_both_drives_and_squared(demo: Machine, tmp_path: Path) -> None:
+    """The references stand 0.3 mm apart, as the drives count them at the start; square is where both count 0."""
+    axis = demo.axes[X]
+    assert axis.drive is not None
+    gantry = Gantry(node=20, difference=0.5, simulated=SimulatedServo(home_switch=(-60.0, -4.7)))
+    drive = axis.drive.model_copy(update={"simulated": SimulatedServo(home_switch=(-60.0, -5.0)), "gantry": gantry})
+    setup = HomingSetup(fast=100.0, slow=10.0, position=3.0, method=21)
+    axis = axis.model_copy(update={"homing": setup, "drive": drive})
+    machine = demo.model_copy(update={"axes": (axis, *demo.axes[1:])})
+    driven = Driven(machine, tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
+    home(driven, "G74 X1\nG90 G01 F6000 X20\nG04 3")
+    driven.until(lambda: not driven.channel.active, 20.0)
+    assert driven.errors == []
+    assert driven.hli.axes[X].status.referenced_r
+    nodes = driven.simulation.nodes
+    assert nodes is not None
+    first, second = (nodes.drives[node].servo.position / 10_000 for node in (NODE, 20))
+    assert first == pytest.approx(20.0 - 3.0 - 5.0, abs=0.05)  # a cycle of the slow speed
+    assert second - first == pytest.approx(0.3, abs=0.002)

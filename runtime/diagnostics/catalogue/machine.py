@@ -171,9 +171,10 @@ PARKED_MOVED = ErrorEntry(
 )
 HOMING_BY_DRIVE = ErrorEntry(
     306036,
-    "the drive of axis {axis} has not found its reference: it tells an error in homing method {method}",
+    "the drive of axis {axis} has not found its reference: homing method {method} has failed",
     reaction=Reaction.STOP_ON_PATH,
-    remedy="check switches and index pulse, and whether the drive knows the method (0x6098); then reset",
+    remedy="check switches and index pulse, whether the drive knows the method (0x6098), and that nothing holds one of two ends "
+    "back; then reset",
     source="IEC 61800-7-201, homing mode",
 )
 HOMING_LATE = ErrorEntry(
