@@ -110,6 +110,9 @@ class Drive(Model):
     torque_feed_forward: Annotated[float, Field(gt=0)] | None = (
         None  # share of the rated torque per mm/s² or degree/s², told by 0x60B2
     )
+    # share of the rated torque per mm/s or degree/s by which the velocity is limited in a torque mode; default: 40/s, if rated
+    # torque accelerates the axis twice as much as it may be
+    torque_gain: Annotated[float, Field(gt=0)] | None = None
     max_torque: Share | None = None  # 0x6072
     torque_limits: Annotated[tuple[Share, Share], Field(strict=False)] | None = None  # 0x60E0, 0x60E1
     process_data: Several[ProcessData] = ()  # exchanged beside set-point and position

@@ -257,7 +257,7 @@ class ExtendedDriveLink(DriveLink):
             fill(message, pack(*[out[key] for key in objects]))
 
     def _set_points(self, image: DriveImage, target: float, goal: int, enabled: bool, follows: bool) -> None:
-        out, modes, scale = self._out, self.mode_control, self.increments_per_unit
+        out, scale = self._out, self.increments_per_unit
         stand = self._raw_position
         if self.end is not None and enabled and self.end.waits:
             stand = self._held = stand if self._held is None else self._held
@@ -275,11 +275,10 @@ class ExtendedDriveLink(DriveLink):
             self._follow(image, target, speed)
         elif follows:
             out[_VELOCITY] = clamp32(round(target * scale))
-        elif enabled and modes.settled:
-            self._let_drive(image, goal)
-            self._sent = stand
         else:
             self._sent = stand
+            if enabled:
+                self._let_drive(image, goal)
         self._target, self._speed, self._followed = target, speed, follows
         if self.velocity_feed_forward:
             share = self.velocity_feed_forward * float(image.feed_forward[self.axis])
@@ -307,10 +306,13 @@ class ExtendedDriveLink(DriveLink):
             out[_VELOCITY] = clamp32(round(max(-most, min(most, speed + self.position_gain * lag)) * scale))
 
     def _let_drive(self, image: DriveImage, goal: int) -> None:
-        """The set-points of a mode in which the drive moves by itself."""
+        """The set-points of a mode in which the drive moves by itself.
+
+        Velocities and torques go out with the order of their mode: a drive that changes its mode in motion finds them there.
+        """
         out, i = self._out, self.axis
         match self.mode_control.ordered:
-            case DriveMode.PROFILE_POSITION:
+            case DriveMode.PROFILE_POSITION if self.mode_control.settled:
                 given = self.mode_control.profile_target
                 out[_POSITION] = wrap32(goal if given is None else given)
             case DriveMode.PROFILE_VELOCITY | DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY:
@@ -321,7 +323,8 @@ class ExtendedDriveLink(DriveLink):
             case DriveMode.PROFILE_TORQUE | DriveMode.CYCLIC_SYNCHRONOUS_TORQUE:
                 torque = float(image.target_torque[i])
                 if math.isfinite(torque):
-                    out[_TORQUE] = max(-0x8000, min(0x7FFF, round(torque * PER_MILLE)))
+                    most = min(self.torque_limit, 0x7FFF)
+                    out[_TORQUE] = max(-most, min(most, round(torque * PER_MILLE)))
             case _:
                 pass
 

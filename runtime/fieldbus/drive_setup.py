@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 from runtime.config.drive import Transmission
 from runtime.config.machine import Axis
 from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.drives import DriveMode
 from runtime.fieldbus import cia402
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.links import DriveLink
@@ -19,6 +20,7 @@ from runtime.fieldbus.links import DriveLink
 GREATEST: Final = 0xFFFF_FFFF
 GREATEST_DIVISOR: Final = 10_000  # of the feed, in search of a ratio of whole numbers
 PER_MILLE: Final = 1000.0
+TORQUE_SLOPE: Final = 100.0  # shares of the rated torque per second: in profile torque mode the control makes the ramps
 
 Write = tuple[int, int, int]
 """Index, sub-index, value."""
@@ -46,6 +48,8 @@ def drive_writes(axis: Axis, link: DriveLink, interpolation: tuple[int, int]) ->
         yield cia402.FOLLOWING_ERROR_WINDOW, 0, _within(window * scale)
         # Set-points that were lost are made up for no faster than the axis may go.
         yield cia402.MAX_PROFILE_VELOCITY, 0, _within(axis.velocity * scale)
+    if DriveMode.PROFILE_TORQUE in link.modes:
+        yield cia402.TORQUE_SLOPE, 0, _within(TORQUE_SLOPE * PER_MILLE)
     yield cia402.PROFILE_VELOCITY, 0, _within(axis.velocity * scale)
     for subindex, value in enumerate(interpolation, 1):
         yield cia402.INTERPOLATION_PERIOD, subindex, value

@@ -170,7 +170,7 @@ class AxisFunction(IntEnum):
     ABORT_TRIGGER = 12
     HOME = 13
     RESET = 14
-    TORQUE_CONTROL = 15  # by the drive, as the limit of a velocity
+    TORQUE_CONTROL = 15  # by the drive, in a torque mode or as the limit of a velocity
     VELOCITY_BY_DRIVE = 16
 
 
@@ -989,6 +989,7 @@ class AxisStatus(c.Structure):
         ("actual_torque_r", c.c_int32),  # 0.1 % of the rated torque; 0 if the drive does not tell it
         ("drive_type_r", c.c_uint32),  # 4 simulation, 8 CANopen, 16 virtual: an axis without a drive
         ("drive_state_r", c.c_uint32),  # runtime.drives.DriveState
+        ("drive_mode_r", c.c_uint32),  # 0x6061, mode of operation that it shows; 0 if the drive does not tell it
         ("fault_code_r", c.c_uint32),
         ("ready_for_power_on_r", c.c_bool),  # the drive is there and in no fault: it can be enabled
         ("ready_for_control_loop_on_r", c.c_bool),  # it is enabled

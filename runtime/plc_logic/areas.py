@@ -583,6 +583,11 @@ class AxisPort(_Area):
         return value
 
     @property
+    def drive_mode(self) -> int:
+        """Mode of operation that the drive shows (0x6061), 0 if it does not tell it: 8 follows positions, 10 and 4 torques."""
+        return int(self._status.drive_mode_r)
+
+    @property
     def torque(self) -> float:
         """Actual torque, percent of the rated one; 0 if the drive does not tell it (`process_data`)."""
         return float(self._status.actual_torque_r) * PERCENT

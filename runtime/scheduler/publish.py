@@ -38,6 +38,7 @@ _AXIS_ELEMENTS = (
     "status.actual_velocity_r",
     "status.actual_torque_r",
     "status.drive_state_r",
+    "status.drive_mode_r",
     "status.fault_code_r",
     "status.ready_for_power_on_r",
     "status.ready_for_control_loop_on_r",
@@ -57,6 +58,7 @@ def _fill_axes(
     window: Floats,
     turn: Floats,
     state: npt.NDArray[np.int8],
+    mode: npt.NDArray[np.int8],
     faults: npt.NDArray[np.int8],
     fault_code: npt.NDArray[np.int32],
     active: bool,
@@ -81,6 +83,7 @@ def _fill_axes(
         area["actual_velocity_r"] = int(velocity[i] * SPEED)
         area["actual_torque_r"] = int(torque[i] * 1000.0)
         area["drive_state_r"] = state[i]
+        area["drive_mode_r"] = mode[i]
         area["fault_code_r"] = fault_code[i]
         area["ready_for_power_on_r"] = _CAN_BE_ENABLED <= state[i] <= _ENABLED
         area["ready_for_control_loop_on_r"] = enabled
@@ -102,7 +105,9 @@ def _warm() -> None:
     areas = records(Hli().axes, 1, *_AXIS_ELEMENTS)
     floats, states = np.zeros(1), np.zeros(1, dtype=np.int8)
     codes = np.zeros(1, dtype=np.int32)
-    _fill_axes(areas, floats, floats, floats, floats, floats, floats, floats, states, states, codes, False, False)
+    _fill_axes(
+        areas, floats, floats, floats, floats, floats, floats, floats, states, states, states, codes, False, False
+    )
 
 
 class Publisher:
@@ -201,6 +206,7 @@ class Publisher:
             supervision.window,
             self._turn,
             image.state,
+            image.mode_shown,
             supervision.faults,
             image.fault_code,
             active,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -259,3 +261,173 @@ VIRTUAL = """  - name: C
     acceleration: 720
     jerk: 20000
 """
+
+
+# -- torque modes ----------------------------------------------------------------------------------------------------
+
+RATED = 1440.0  # degrees/s² at rated torque: twice the acceleration of the axis
+
+
+def torque_table(mode: str, *further: str) -> str:
+    modes = ", ".join((mode, *further))
+    return TABLE.replace("drive: {", f"drive: {{modes: [{modes}], process_data: [torque], ")
+
+
+def fastest_of(rig: Rig, seconds: float) -> float:
+    fastest = 0.0
+    for _ in range(round(seconds / 0.001)):
+        rig.cycle()
+        fastest = max(fastest, abs(speed(rig)))
+    return fastest
+
+
+@pytest.mark.parametrize(
+    ("mode", "shown"),
+    [
+        ("cyclic_synchronous_torque", DriveMode.CYCLIC_SYNCHRONOUS_TORQUE),
+        ("profile_torque", DriveMode.PROFILE_TORQUE),
+    ],
+)
+def test_a_drive_with_a_torque_mode_gets_the_torque_itself(tmp_path: Path, mode: str, shown: DriveMode) -> None:
+    rig = Rig(tmp_path, ideal=False, table=torque_table(mode))
+    press, more, stop = MC_TorqueControl(), MC_TorqueControl(), MC_Stop()
+    rig.call("press", lambda p: press(p.axes["B"], True, Torque=0.3, TorqueRamp=1.0, Velocity=20.0))
+    rig.until(lambda: speed(rig) > 15.0, 2.0)
+    assert rig.program.axes["B"].drive_mode == shown
+    # nothing resists but friction, which the torque overcomes: the velocity limits it
+    assert fastest_of(rig, 1.0) < 21.0
+    assert speed(rig) == pytest.approx(20.0, abs=1.0)
+    assert not press.InTorque
+    servo(rig).blocked = True
+    begin = rig.simulation.time
+    rig.until(lambda: press.InTorque, 2.0)
+    assert rig.simulation.time - begin < 0.6
+    assert servo(rig).values[0x6071, 0] == 300  # ordered as it is, no limit of something else
+    rig.run(0.2)
+    begin = rig.simulation.time
+    rig.call("press", lambda p: more(p.axes["B"], True, Torque=0.6, TorqueRamp=0.5, Velocity=20.0))
+    rig.until(lambda: more.InTorque, 3.0)
+    assert 0.5 < rig.simulation.time - begin < 0.8  # 0.3 more at 0.5 per second, as soon as it is within the window
+    before = [servo(rig).values[0x6071, 0]]
+    servo(rig).blocked = False  # what it presses against gives way: 864 degrees/s², seen after some cycles
+    fastest = fastest_of(rig, 0.3)
+    assert fastest < 20.0 + 0.6 * RATED * 0.012
+    assert speed(rig) == pytest.approx(20.0, abs=2.0)
+    assert before == [600]
+    rig.call("press", lambda p: stop(p.axes["B"], True))
+    rig.until(lambda: stop.Done, 2.0)
+    assert servo(rig).mode == DriveMode.CYCLIC_SYNCHRONOUS_POSITION
+    stands = servo(rig).servo.position
+    rig.run(0.3)
+    assert servo(rig).servo.position == pytest.approx(stands, abs=20.0)  # 0.02 degrees
+    assert rig.simulation.errors == []
+
+
+def test_the_way_back_into_the_position_mode_is_no_jump(tmp_path: Path) -> None:
+    rig = Rig(tmp_path, ideal=False, table=torque_table("cyclic_synchronous_torque"))
+    press, halt, move = MC_TorqueControl(), MC_Halt(), MC_MoveAbsolute()
+    rig.call("press", lambda p: press(p.axes["B"], True, Torque=-0.5, Velocity=60.0))
+    rig.until(lambda: speed(rig) < -55.0, 2.0)
+    rig.call("press", lambda p: halt(p.axes["B"], True, Deceleration=300.0))
+    velocities = [speed(rig)]
+    while not halt.Done:
+        rig.cycle()
+        velocities.append(speed(rig))
+        assert len(velocities) < 2000
+    slowest = max(b - a for a, b in pairwise(velocities)) / 0.001
+    assert slowest < 1.0 * RATED  # it brakes with rated torque at most
+    assert max(velocities) < 1.0  # and does not turn back
+    assert 0.2 < len(velocities) * 0.001 < 0.6  # the ramp: 60 degrees/s at 300 degrees/s²
+    stands = rig.place("B")
+    assert servo(rig).servo.position / 1000.0 == pytest.approx(stands, abs=0.05)
+    rig.path.clear()
+    rig.call("press", lambda p: move(p.axes["B"], True, Position=stands + 10.0, Velocity=60.0))
+    rig.until(lambda: move.Done, 3.0)
+    rig.assert_smooth()
+    assert rig.simulation.errors == []
+
+
+def test_a_velocity_order_takes_over_from_a_torque_in_motion_and_the_other_way_round(tmp_path: Path) -> None:
+    table = torque_table("cyclic_synchronous_torque", "cyclic_synchronous_velocity")
+    rig = Rig(tmp_path, ideal=False, table=table)
+    press, run, again, halt = MC_TorqueControl(), MC_MoveVelocityByDrive(), MC_TorqueControl(), MC_Halt()
+    rig.call("order", lambda p: press(p.axes["B"], True, Torque=0.5, Velocity=60.0))
+    rig.until(lambda: speed(rig) > 55.0, 2.0)
+    rig.call("order", lambda p: run(p.axes["B"], True, Velocity=60.0))
+    slowest = min(_speeds(rig, lambda: run.InVelocity))
+    assert slowest > 50.0
+    assert rig.program.axes["B"].drive_mode == DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY
+    rig.call("order", lambda p: again(p.axes["B"], True, Torque=0.5, Velocity=60.0))
+    speeds = _speeds(rig, lambda: rig.program.axes["B"].drive_mode == DriveMode.CYCLIC_SYNCHRONOUS_TORQUE)
+    speeds += [speed(rig) for _ in range(500) if rig.cycle() is None]
+    assert min(speeds) > 50.0
+    assert max(speeds) < 63.0
+    rig.call("order", lambda p: halt(p.axes["B"], True))
+    rig.until(lambda: halt.Done, 2.0)
+    assert rig.simulation.errors == []
+
+
+def _speeds(rig: Rig, until: Callable[[], bool]) -> list[float]:
+    found = []
+    while not until():
+        rig.cycle()
+        found.append(speed(rig))
+        assert len(found) < 2000
+    return found
+
+
+def test_a_torque_keeps_the_software_limits_the_override_and_a_hold(tmp_path: Path) -> None:
+    rig = Rig(tmp_path, ideal=False, table=torque_table("cyclic_synchronous_torque"))
+    push = MC_TorqueControl()
+    rig.call("push", lambda p: push(p.axes["B"], True, Torque=0.5, Velocity=100.0))
+    rig.until(lambda: speed(rig) > 95.0, 2.0)
+    rig.call("set", lambda p: setattr(p.axes["B"], "override", 50.0))
+    rig.until(lambda: abs(speed(rig) - 50.0) < 2.0, 2.0)
+    rig.call("set", lambda p: setattr(p.axes["B"], "feed_hold", True))
+    rig.until(lambda: abs(speed(rig)) < 0.3, 2.0)
+    assert push.Busy
+    rig.call("set", lambda p: (setattr(p.axes["B"], "feed_hold", False), setattr(p.axes["B"], "override", 100.0)))
+    rig.until(lambda: push.Error, 20.0)
+    assert push.ErrorID == errors.JOB_AT_LIMIT.id
+    rig.run(1.0)
+    assert 715.0 < rig.place("B") <= 720.0
+    assert servo(rig).servo.position / 1000.0 <= 720.0
+    assert not rig.image.by_drive[rig.table]
+
+
+def test_a_halt_of_what_presses_does_not_press_harder(tmp_path: Path) -> None:
+    """In either way of ordering a torque."""
+    for k, table in enumerate((PRESS, torque_table("cyclic_synchronous_torque"))):
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        rig = Rig(folder, ideal=False, table=table)
+        press, halt = MC_TorqueControl(), MC_Halt()
+        rig.call("press", lambda p, b=press: b(p.axes["B"], True, Torque=0.3, Velocity=100.0))  # type: ignore[misc]
+        servo(rig).blocked = True
+        rig.until(lambda b=press: b.InTorque, 2.0)  # type: ignore[misc]
+        rig.call("press", lambda p, b=halt: b(p.axes["B"], True))  # type: ignore[misc]
+        strongest = 0.0
+        for _ in range(400):
+            rig.cycle()
+            strongest = max(strongest, servo(rig).servo.torque)
+        assert halt.Done
+        assert strongest < 0.35
+
+
+def test_an_axis_that_something_drives_on_stops_the_machine(tmp_path: Path) -> None:
+    rig = Rig(tmp_path, ideal=False, table=torque_table("cyclic_synchronous_torque"))
+    hold = MC_TorqueControl()
+    rig.call("hold", lambda p: hold(p.axes["B"], True, Torque=0.1, Velocity=20.0))
+    rig.until(lambda: speed(rig) > 15.0, 2.0)
+    real = servo(rig).servo.push
+    servo(rig).servo.push = lambda torque, dt: real(torque + 1.3, dt)  # more than its torque holds
+    rig.until(lambda: hold.Error, 2.0)
+    assert hold.ErrorID == errors.JOB_RUNS_AWAY.id
+    assert speed(rig) < 20.0 + 0.2 * 1.3 * RATED
+    rig.until(lambda: speed(rig) == 0.0, 2.0)
+    assert rig.simulation.errors[0].entry is errors.JOB_RUNS_AWAY
+    servo(rig).servo.push = real
+    rig.simulation.controller.reset()
+    rig.run(1.0)
+    assert state(rig) is MotionState.STANDSTILL
+    assert not rig.image.by_drive[rig.table]

@@ -56,11 +56,13 @@ def _taken(jobs: AxisJobs, job: Job, cycle: AxisCycle) -> Problem | None:
 def _no_drive(jobs: AxisJobs, job: Job) -> Problem | None:
     """The drive cannot move the axis by itself, or not now."""
     order = jobs.drive
-    if order is None or order.mode is None:
+    if order is None or order.mode_for(job.function) is None:
         what = "none of cyclic_synchronous_velocity and profile_velocity is among its `modes`"
-        return jobs.problem(errors.JOB_NO_DRIVE_MODE, job, what=what)
-    if job.function is AxisFunction.TORQUE_CONTROL and not order.limits_torque:
-        what = "torque and torque_limit are not both in its `process_data`"
+        if job.function is AxisFunction.TORQUE_CONTROL:
+            what = (
+                "it needs torque in `process_data`, and cyclic_synchronous_torque or profile_torque among its `modes`; "
+                "or torque and torque_limit, and cyclic_synchronous_velocity or profile_velocity"
+            )
         return jobs.problem(errors.JOB_NO_DRIVE_MODE, job, what=what)
     if job.buffer_mode is not BufferMode.ABORTING or (jobs.moving and not jobs.driven):
         return jobs.problem(errors.JOB_DRIVE_MOVES, job)

@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.cnc.axes.axis_plan import Dynamics
-from runtime.cnc.axes.drive_order import VELOCITY_MODES, DriveOrder
+from runtime.cnc.axes.drive_order import TORQUE_MODES, VELOCITY_MODES, DriveAbilities, DriveOrder
 from runtime.cnc.axes.gear import MasterPlaces
 from runtime.cnc.axes.homing import AxisHoming, HomingDrive
 from runtime.cnc.axes.job_probe import DRIVE_PROBES
 from runtime.cnc.axes.job_values import AxisCycle, Followed, spelt
 from runtime.cnc.axes.jobs import AxisJobs
+from runtime.cnc.axes.torque_governor import usual_gain
 from runtime.config.machine import Axis, AxisType, Machine
 from runtime.diagnostics.catalogue import axis_jobs as errors
 from runtime.diagnostics.errors import Problem
@@ -53,16 +54,17 @@ def _drive_order(
     drive = axis.drive
     assert drive is not None
     offered = {DriveMode[name.upper()] for name in drive.modes} - {drive.runs_in(spindle=False)}
-    return DriveOrder(
-        image,
-        i,
-        period,
-        -np.inf if axis.position_min is None else axis.position_min,
-        np.inf if axis.position_max is None else axis.position_max,
-        mode=next((mode for mode in VELOCITY_MODES if mode in offered), None),
-        limits_torque={"torque", "torque_limit"} <= set(drive.process_data),
-        machine_limits=torque_limits,
+    tells_torque = "torque" in drive.process_data
+    abilities = DriveAbilities(
+        next((mode for mode in VELOCITY_MODES if mode in offered), None),
+        next((mode for mode in TORQUE_MODES if mode in offered and tells_torque), None),
+        tells_torque and "torque_limit" in drive.process_data,
+        drive.max_torque or 1.0,
+        drive.torque_gain or usual_gain(axis.acceleration),
     )
+    least = -np.inf if axis.position_min is None else axis.position_min
+    greatest = np.inf if axis.position_max is None else axis.position_max
+    return DriveOrder(image, i, period, least, greatest, abilities, torque_limits)
 
 
 class References(Protocol):

@@ -214,6 +214,15 @@ class AxisJobs:
         if drive.over:
             self.motion.begin(cycle.actual)
             return
+        if drive.runs_away:  # every drive brakes by itself: this one's torque does not
+            problem = Problem(errors.JOB_RUNS_AWAY, {"axis": self.name, "speed": drive.speed, "allowed": drive.allowed})
+            if current is not None and current.open:
+                self._fail(current, problem)
+            else:
+                self.problems.append(problem)
+            self.current, self.error = None, errors.JOB_RUNS_AWAY.id
+            drive.forget()
+            return
         if current is None or current.job.function not in BY_DRIVE:
             return
         if drive.late or drive.at_limit:

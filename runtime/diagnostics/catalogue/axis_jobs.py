@@ -100,8 +100,15 @@ JOB_DRIVE_MOVES = _entry(
 )
 JOB_DRIVE_LATE = _entry(
     308047,
-    "axis {axis}: {function} was stopped, the drive has not gone into its velocity mode",
+    "axis {axis}: {function} was stopped, the drive has not gone into the mode that it needs",
     "the manual of the drive tells whether it changes its mode while it is enabled",
+)
+JOB_RUNS_AWAY = ErrorEntry(
+    308048,
+    "axis {axis} goes at {speed:.4g} although MC_TorqueControl allows it {allowed:.4g}: something drives it on; all drives "
+    "brake by themselves",
+    reaction=Reaction.QUICK_STOP,
+    remedy="look at what drives it on, at the sign of the torque (0x607E) and at `torque_gain`; then reset",
 )
 JOB_RUNS = ErrorEntry(
     308017,

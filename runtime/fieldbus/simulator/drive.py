@@ -67,6 +67,7 @@ PARAMETERS: Final = (
     objects.PROFILE_ACCELERATION,
     objects.PROFILE_DECELERATION,
     objects.QUICK_STOP_DECELERATION,
+    objects.TORQUE_SLOPE,
     objects.HOME_OFFSET,
     objects.HOMING_METHOD,
     objects.HOMING_ACCELERATION,

@@ -53,10 +53,11 @@ class DriveMotion:
         self._reached = False
         self._bit_before = False  # bit 4 of the control word
         self._before = 0.0  # position of the motor a step ago
+        self._pushed = 0.0  # torque of profile torque mode, 0.1 %
         self._steps: dict[int, Callable[[float], None]] = {
             DriveMode.PROFILE_POSITION: self._profile_position,
             DriveMode.PROFILE_VELOCITY: self._profile_velocity,
-            DriveMode.PROFILE_TORQUE: self._torque,
+            DriveMode.PROFILE_TORQUE: self._profile_torque,
             DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY: self._cyclic_velocity,
             DriveMode.CYCLIC_SYNCHRONOUS_TORQUE: self._torque,
             DriveMode.HOMING: self._home,
@@ -74,6 +75,7 @@ class DriveMotion:
         self._profile.take_over(servo.position, servo.velocity)
         self._target = self._next = None
         self._acknowledged = self._reached = False
+        self._pushed = servo.torque * PER_MILLE
         self.homing.stop()
         self._bit_before = False
 
@@ -133,6 +135,13 @@ class DriveMotion:
         values = self._drive.values
         torque = values[objects.TARGET_TORQUE, 0] + values[objects.TORQUE_OFFSET, 0]
         self._drive.servo.push(torque / PER_MILLE, dt)
+
+    def _profile_torque(self, dt: float) -> None:
+        """On the ramp of 0x6087 to the target."""
+        most = self._drive.parameters[objects.TORQUE_SLOPE] * dt
+        change = self._drive.values[objects.TARGET_TORQUE, 0] - self._pushed
+        self._pushed += max(-most, min(most, change))
+        self._drive.servo.push(self._pushed / PER_MILLE, dt)
 
     def _ramps(self) -> tuple[float, float]:
         parameters = self._drive.parameters
