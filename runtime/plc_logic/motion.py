@@ -260,10 +260,10 @@ class MC_MoveVelocityByDrive(_Execute):  # noqa: N801
 class MC_TorqueControl(_Execute):  # noqa: N801
     """A torque (share of the rated one, with its sign) up to a velocity; InTorque while the drive tells that torque.
 
-    TorqueRamp in shares per second, 0: at once. A drive that has cyclic_synchronous_torque or profile_torque among its `modes`, and
-    torque in `process_data`, gets the torque itself, which the control takes back where the velocity would be passed. Any other one
-    does it in a velocity mode with a torque limit (`modes`, and torque and torque_limit in `process_data`); `drive_mode` of the axis
-    tells which. Ends as MC_MoveVelocityByDrive.
+    TorqueRamp in shares per second, 0: at once. A drive that has cyclic_synchronous_torque or profile_torque among its `modes`,
+    and torque in `process_data`, gets the torque itself, which the control takes back where the velocity would be passed. Any
+    other one does it in a velocity mode with a torque limit (`modes`, and torque and torque_limit in `process_data`);
+    `drive_mode` of the axis tells which. Ends as MC_MoveVelocityByDrive.
     """
 
     __slots__ = ()
