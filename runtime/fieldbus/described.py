@@ -108,6 +108,7 @@ class _Common(TypedDict):
     startup: list[tuple[int, int, int]]
     layouts: dict[PdoPlan, PdoLayout]
     axis: int
+    bus: str
     optional: bool
     configuration: tuple[int, int] | None
     guarded: bool
@@ -162,6 +163,7 @@ def _drive_link(
         startup=[_startup_write(name, value, od, drive.node, owner) for name, value in drive.sdo.items()],
         layouts=_layouts(plans, od, drive.node, owner),
         axis=index,
+        bus=drive.bus or "",
         optional=drive.optional,
         configuration=drive.configuration,
         guarded=_guarded(od, drive.node, owner),
@@ -238,6 +240,7 @@ def _io_link(
         od=od,
         startup=[],
         layouts=_layouts(plans, od, io.node, owner),
+        bus=io.bus or "",
         optional=io.optional,
         configuration=io.configuration,
         guarded=_guarded(od, io.node, owner),

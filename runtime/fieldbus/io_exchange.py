@@ -14,13 +14,12 @@ from runtime.fieldbus.links import IoLink, Links
 
 
 class IoExchange:
-    """`send` puts a frame on the bus; what it raises comes through. `name` of the bus is told in events.
+    """`send` puts a frame on the bus; what it raises comes through.
 
     Drives have inputs too (object 0x60FD).
     """
 
-    def __init__(self, image: DriveImage, links: Links, send: Callable[[can.Message], None], name: str = "") -> None:
-        self._name = name
+    def __init__(self, image: DriveImage, links: Links, send: Callable[[can.Message], None]) -> None:
         self._image = image
         self._links = [link for link in links if isinstance(link, IoLink)]
         self._inputs_of = [link for link in links if isinstance(link, IoLink) or link.has_inputs]
@@ -47,7 +46,7 @@ class IoExchange:
         image.digital_in[:] = np.frombuffer(inputs.to_bytes(DIGITAL_BYTES, "little"), dtype=np.uint8)
 
     def _event(self, node: IoLink, error_id: int, text: str) -> DriveEvent:
-        return node.event(error_id, 0, text)._replace(bus=self._name)
+        return node.event(error_id, 0, text)
 
     def send_outputs(self, now: float) -> None:
         """Outputs go out when they change, and now and then for nodes that missed it."""

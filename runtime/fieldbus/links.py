@@ -48,6 +48,7 @@ class NodeLink:
     startup: list[tuple[int, int, int]]  # index, sub-index, value
     layouts: dict[PdoPlan, PdoLayout]  # the PDOs in use
     axis: int = -1  # index into the image, -1 for I/O
+    bus: str = ""  # its name in the machine description
     optional: bool = False  # may be missing at the boot
     configuration: tuple[int, int] | None = None  # date and time that object 0x1020 must tell
     guarded: bool = False  # has no heartbeat: it is asked for its state (node guarding)
@@ -68,7 +69,7 @@ class NodeLink:
         return {}
 
     def event(self, error_id: int, code: int = 0, text: str = "") -> DriveEvent:
-        return DriveEvent(error_id, self.axis, self.node, code, text)
+        return DriveEvent(error_id, self.axis, self.node, code, text, self.bus)
 
     def _frame(self, plan: PdoPlan) -> can.Message:
         """The one message that carries this RPDO in every cycle; only its data change."""

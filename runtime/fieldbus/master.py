@@ -116,8 +116,8 @@ class CanopenMaster:
         self._show(load=0.0, gone=False)
         guarded = [link.node for link in self._links if link.guarded]
         self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
-        self._io = IoExchange(self.image, self._links, self._send, self.name)
-        self._watch = NodeWatch(self.image, self._config, self.name, self._links, self._send_data, self._io.refresh)
+        self._io = IoExchange(self.image, self._links, self._send)
+        self._watch = NodeWatch(self.image, self._config, self._links, self._send_data, self._io.refresh)
         if not self._shares_image:
             forget(self.image)
 

@@ -19,7 +19,7 @@ EMERGENCY_PAUSE: Final = 1.0  # s in which the same emergency of a node is told 
 
 
 class NodeWatch:
-    """`send(cob_id, data)` puts a frame on the bus; what it raises comes through. `name` of the bus is told in events.
+    """`send(cob_id, data)` puts a frame on the bus; what it raises comes through.
 
     `running` and `now` (s, of this cycle) are set by the master.
     """
@@ -28,7 +28,6 @@ class NodeWatch:
         self,
         image: DriveImage,
         bus: Bus,
-        name: str,
         links: Links,
         send: Callable[[int, bytes], None],
         refresh_outputs: Callable[[], None],
@@ -38,7 +37,6 @@ class NodeWatch:
         self.boot_ups: Counter[int] = Counter()  # by node id
         self._image = image
         self._config = bus
-        self._name = name
         self._links = links
         self._send = send
         self._refresh_outputs = refresh_outputs
@@ -71,7 +69,7 @@ class NodeWatch:
     def lose_all(self) -> None:
         """The bus is gone."""
         for link in self._links:
-            link.loss = link.loss or self.event(link, catalogue.HEARTBEAT_LOST.id)
+            link.loss = link.loss or link.event(catalogue.HEARTBEAT_LOST.id)
             self.put_out(link)
 
     def look(self, now: float) -> None:
@@ -95,7 +93,7 @@ class NodeWatch:
         """The node is gone, its configuration may be lost: it has to go the whole way of the boot to come back."""
         if link.lost:
             return
-        link.loss = self.event(link, error_id, code)
+        link.loss = link.event(error_id, code)
         self._image.events.append(link.loss)
         self.put_out(link)
 
@@ -113,9 +111,7 @@ class NodeWatch:
             joined = rejoin.step(self.now)
             if refusal := rejoin.refusal:
                 rejoin.refusal = None
-                event = self.event(
-                    rejoin.link, catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text
-                )
+                event = rejoin.link.event(catalogue.REJOIN_REFUSED.id, refusal.problem.entry.id, refusal.problem.text)
                 if rejoin.told is None or event.code != rejoin.told.code:  # tried again and again, told once
                     rejoin.told = event
                     self._image.events.append(event)
@@ -131,7 +127,7 @@ class NodeWatch:
             link.fresh = False
         else:
             self._refresh_outputs()  # it has to hear them, changed or not
-        self._image.events.append(self.event(link, catalogue.NODE_REJOINED.id, 0, _moved(link)))
+        self._image.events.append(link.event(catalogue.NODE_REJOINED.id, 0, _moved(link)))
 
     def on_heartbeat(self, link: DriveLink | IoLink, data: bytearray) -> None:
         if not data:
@@ -162,14 +158,11 @@ class NodeWatch:
             before, told = link.last_emergency
             if code != before or self.now - told >= EMERGENCY_PAUSE:  # a storm must not bury the other alarms
                 link.last_emergency = code, self.now
-                self._image.events.append(self.event(link, catalogue.EMERGENCY.id, code))
+                self._image.events.append(link.event(catalogue.EMERGENCY.id, code))
         else:
             code = 0  # error reset
         if link.axis >= 0:
             self._image.fault_code[link.axis] = code
-
-    def event(self, link: DriveLink | IoLink, error_id: int, code: int = 0, text: str = "") -> DriveEvent:
-        return link.event(error_id, code, text)._replace(bus=self._name)
 
 
 def _moved(link: DriveLink | IoLink) -> str:

@@ -24,9 +24,23 @@ class Keeper:
         self._machine, self._store = machine, store
         self._before: Retained | None = None  # what was kept last, by this run or by the one before
         self._kept: Retained | None = None  # what this run has written
+        self._tried: list[tuple[int, float]] = []  # references when it was written, or tried to
+        self._absolute = [i for i, axis in enumerate(machine.axes) if axis.homing and axis.homing.absolute]
+
+    def urgent(self, hli: Hli) -> bool:
+        """An axis with an absolute encoder was homed, or has lost its reference: that does not wait for the next second.
+
+        Without supply a moment later it would have to be homed again, or, worse, be taken for one that has its reference.
+        """
+        return bool(self._absolute) and self._references(hli) != self._tried
+
+    def _references(self, hli: Hli) -> list[tuple[int, float]]:
+        areas = [hli.axes[i].reference for i in self._absolute]
+        return [(int(area.state_r), float(area.origin_r)) for area in areas]
 
     def keep(self, hli: Hli) -> None:
-        """Once a second, and at the end."""
+        """Once a second, when it is urgent, and at the end."""
+        self._tried = self._references(hli)
         if self._before is None:
             self._before, _ = self._store.load()
         data = retained_of(self._machine, hli, self._before)

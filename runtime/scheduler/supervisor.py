@@ -274,10 +274,10 @@ class Supervisor:
         if by := self._wall_clock.step():
             write_problem(self.journal, Problem(system.CLOCK_STEPPED, {"seconds": by}))
         now = time.monotonic()
-        if now >= self._retain_at:
+        assert self.memory is not None
+        if now >= self._retain_at or self._keeper.urgent(self.memory.hli):
             self._retain_at = now + _RETAIN_EVERY
             self.retain()
-        assert self.memory is not None
         cycle = self.memory.hli.head.cycle_r
         if cycle != self._cycle_before:  # the watchdog is fed by the cycle, not by this process
             self._cycle_before = cycle

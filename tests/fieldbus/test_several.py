@@ -186,6 +186,20 @@ def test_a_node_on_the_second_bus_is_named_with_its_axis(rig: TwoBuses) -> None:
     assert rig.image.state[X] == ENABLED
 
 
+def test_whatever_a_drive_of_the_second_bus_tells_names_its_bus(rig: TwoBuses) -> None:
+    """A fault, a drive that disables itself, a set-point that jumps: events of the drive, not of the watch over its node."""
+    rig.nodes.inject(128 + 1, Fault.DRIVE, 0x2310)
+    assert rig.run_until(lambda: len(rig.events) >= 2)
+    rig.image.target_position[X] += 50.0
+    rig.cycle(3)
+    told = {(event.error_id, event.axis): event.bus for event in rig.events}
+    assert told == {
+        (catalogue.DRIVE_FAULT.id, Z): "b",
+        (catalogue.EMERGENCY.id, Z): "b",
+        (catalogue.SETPOINT_JUMP.id, X): "",
+    }
+
+
 def test_loads_are_planned_and_measured_per_bus(rig: TwoBuses) -> None:
     rig.cycle(300)
     links = make_links(rig.machine)

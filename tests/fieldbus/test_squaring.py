@@ -256,10 +256,10 @@ def test_an_end_that_begins_to_count_anew_has_gone_no_way() -> None:
     first.homing = HomingState.FAILED
     first.place, second.place = -289.8, 30.2
     assert squaring.step(True, first, second, 20.0) == 20.0
-    assert squaring.state is HomingState.FAILED
+    assert squaring.state == HomingState.FAILED
     assert not squaring.wanted
     first.by_drive = second.by_drive = False
     offset = squaring.step(True, first, second, 20.0)
     assert second.place - first.place - offset == pytest.approx(0.0)
     squaring.step(False, first, second, offset)
-    assert squaring.state is HomingState.IDLE
+    assert squaring.state == HomingState.IDLE

@@ -359,7 +359,9 @@ def test_a_velocity_order_takes_over_from_a_torque_in_motion_and_the_other_way_r
     assert rig.program.axes["B"].drive_mode == DriveMode.CYCLIC_SYNCHRONOUS_VELOCITY
     rig.call("order", lambda p: again(p.axes["B"], True, Torque=0.5, Velocity=60.0))
     speeds = _speeds(rig, lambda: rig.program.axes["B"].drive_mode == DriveMode.CYCLIC_SYNCHRONOUS_TORQUE)
-    speeds += [speed(rig) for _ in range(500) if rig.cycle() is None]
+    for _ in range(500):
+        rig.cycle()
+        speeds.append(speed(rig))
     assert min(speeds) > 50.0
     assert max(speeds) < 63.0
     rig.call("order", lambda p: halt(p.axes["B"], True))
@@ -386,7 +388,8 @@ def test_a_torque_keeps_the_software_limits_the_override_and_a_hold(tmp_path: Pa
     rig.call("set", lambda p: setattr(p.axes["B"], "feed_hold", True))
     rig.until(lambda: abs(speed(rig)) < 0.3, 2.0)
     assert push.Busy
-    rig.call("set", lambda p: (setattr(p.axes["B"], "feed_hold", False), setattr(p.axes["B"], "override", 100.0)))
+    rig.call("set", lambda p: setattr(p.axes["B"], "feed_hold", False))
+    rig.call("override", lambda p: setattr(p.axes["B"], "override", 100.0))
     rig.until(lambda: push.Error, 20.0)
     assert push.ErrorID == errors.JOB_AT_LIMIT.id
     rig.run(1.0)

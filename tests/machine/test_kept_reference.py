@@ -18,7 +18,7 @@ from runtime.drives import DriveState
 from runtime.fieldbus.simulator import Fault
 from runtime.hli.layout import Hli, ReferenceState
 from runtime.plc_logic.motion import MC_Home, MC_MoveAbsolute
-from runtime.scheduler.keeping import retained_of
+from runtime.scheduler.keeping import Keeper, retained_of
 from runtime.scheduler.retained import Retained, RetainedStore
 from tests.machine.beside_channel import TABLE, Rig
 from tests.machine.test_mc_home import referenced, servo
@@ -73,6 +73,44 @@ def test_the_reference_is_there_again(tmp_path: Path, homed: tuple[Retained, flo
     rig.call("move", lambda p: move(p.axes["B"], True, Position=place + 10.0, Velocity=90.0))
     rig.until(lambda: move.Done)
     assert servo(rig) == pytest.approx(10.0, abs=0.05)
+
+
+def test_a_reference_that_is_found_or_lost_does_not_wait_for_the_next_second(tmp_path: Path) -> None:
+    rig = Rig(tmp_path, ideal=False, table=ABSOLUTE)
+    store = RetainedStore(tmp_path / "state")
+    keeper = Keeper(rig.machine, store)
+    keeper.keep(rig.hli)
+    assert not keeper.urgent(rig.hli)
+    rig.call("cam", lambda p: setattr(p.axes["B"], "reference_cam", servo(rig) < -20.0))
+    rig.run(0.05)
+    home = MC_Home()
+    rig.call("home", lambda p: home(p.axes["B"], True))
+    rig.until(lambda: keeper.urgent(rig.hli))
+    found = rig.simulation.time
+    rig.until(lambda: referenced(rig))
+    assert rig.simulation.time - found < 0.01
+    keeper.keep(rig.hli)
+    assert "B" in store.load()[0].references
+    rig.until(lambda: home.Done)
+    rig.run(0.5)
+    assert not keeper.urgent(rig.hli)  # where the axis stands may wait
+    again = MC_Home()
+    rig.call("home", lambda p: again(p.axes["B"], True))
+    rig.until(lambda: keeper.urgent(rig.hli), 1.0)  # and a reference that counts no longer may not
+    keeper.keep(rig.hli)
+    assert store.load()[0].references == {}
+
+
+def test_a_disk_that_is_full_is_not_tried_without_a_pause(homed: tuple[Retained, float], tmp_path: Path) -> None:
+    hli = Hli()
+    machine = described(ABSOLUTE)
+    keeper = Keeper(machine, RetainedStore(tmp_path / "a file"))
+    (tmp_path / "a file").write_text("no folder")
+    hli.axes[machine.axis_index("B")].reference.state_r = ReferenceState.KEPT
+    assert keeper.urgent(hli)
+    keeper.keep(hli)
+    assert hli.platform.not_retained_w
+    assert not keeper.urgent(hli)  # it is tried again with the others, each second
 
 
 def changed(kept: Retained, **values: Any) -> dict[str, dict[str, Any]]:
