@@ -6,8 +6,6 @@ names it; a node that is optional may be missing, and comes in later (runtime.fi
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable
 from typing import Final
 
 from canopen.nmt import NmtMaster
@@ -15,6 +13,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from runtime.config.machine import Bus, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
+from runtime.fieldbus.canopen_fd import USDO_REQUEST, WAIT, Heard, device_type_question
 from runtime.fieldbus.dialogue import Dialogue, NodeDialogues, aborted, decoded, encoded, refused, silent
 from runtime.fieldbus.error_codes import nmt_state_text
 from runtime.fieldbus.errors import FieldbusError
@@ -26,10 +25,7 @@ SECOND_BOOT_UP: Final = 0.05  # s in which a second node with the same id would 
 
 
 class BootSequence:
-    """One boot. `heard_master` tells whether another master was heard, `boot_ups` counts boot-up messages by node id.
-
-    `wait` lets bus and time run.
-    """
+    """One boot. `heard`: filled by whoever receives; `wait` lets bus and time run."""
 
     def __init__(
         self,
@@ -39,17 +35,15 @@ class BootSequence:
         links: Links,
         dialogues: NodeDialogues,
         wait: Wait,
-        heard_master: Callable[[], bool],
-        boot_ups: Counter[int],
+        heard: Heard,
     ) -> None:
-        self._boot_ups = boot_ups
+        self._heard = heard
         self._machine = machine
         self._bus = bus
         self._network = network
         self._links = links
         self._dialogues = dialogues
         self._wait = wait
-        self._heard_master = heard_master
         self.clients = {link.node: PumpedSdoClient(link.node, link.od, wait) for link in links}
         for client in self.clients.values():
             client.network = network
@@ -60,10 +54,24 @@ class BootSequence:
         self._reset()
         present = [link for link in self._links if link.booted]
         for link in present:
-            self._hold(link, self._dialogues.identify(link))
+            self._identify(link)
         for link in present:
             self._hold(link, self._dialogues.configure(link))
             self._hold(link, self._dialogues.first_values(link))
+
+    def _identify(self, link: DriveLink | IoLink) -> None:
+        """Raises FieldbusError for another device than is described, and for one of another application layer."""
+        node, heard = link.node, self._heard
+        if node in heard.long_frames:
+            raise refused(catalogue.CANOPEN_FD, link)
+        try:
+            self._hold(link, self._dialogues.identify(link))
+        except FieldbusError as error:
+            if self._bus.fd and error.problem.entry is catalogue.SDO_NO_ANSWER:
+                self._network.send_message(USDO_REQUEST + self._bus.master_node, device_type_question(node))
+                if self._wait(lambda: node in heard.usdo_answers, WAIT):
+                    raise refused(catalogue.CANOPEN_FD, link) from error
+            raise
 
     def launch(self) -> None:
         """Bring every node that is there to OPERATIONAL; raises FieldbusError."""
@@ -76,7 +84,7 @@ class BootSequence:
 
     def _listen(self) -> None:
         """Two masters on one bus would move the axes by turns."""
-        if self._wait(self._heard_master, max(1.5 * self._bus.heartbeat, 2 * self._machine.cycle.period)):
+        if self._wait(lambda: self._heard.master, max(1.5 * self._bus.heartbeat, 2 * self._machine.cycle.period)):
             raise FieldbusError(catalogue.OTHER_MASTER, channel=self._bus.channel)
 
     def _reset(self) -> None:
@@ -92,14 +100,14 @@ class BootSequence:
     def _reset_once(self) -> None:
         for link in self._links:
             link.booted = False
-        self._boot_ups.clear()
+        self._heard.boot_ups.clear()
         # Reset of the communication only: a fault of the drive and its cause stay to be seen.
         self._command(0, "RESET COMMUNICATION")
         self._wait(lambda: all(link.booted for link in self._links), self._bus.boot_timeout)
         self._wait(lambda: False, SECOND_BOOT_UP)
 
     def _doubled(self) -> Links:
-        return [link for link in self._links if self._boot_ups[link.node] > 1]
+        return [link for link in self._links if self._heard.boot_ups[link.node] > 1]
 
     def _wait_operational(self, links: Links) -> None:
         if not self._bus.heartbeat:

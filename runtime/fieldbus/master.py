@@ -28,6 +28,7 @@ from runtime.drives import BusFigures, DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
 from runtime.fieldbus.beat import Beat
 from runtime.fieldbus.boot import BootSequence
+from runtime.fieldbus.canopen_fd import CLASSIC, Heard
 from runtime.fieldbus.dcf import read_configuration
 from runtime.fieldbus.described import make_links
 from runtime.fieldbus.dialogue import SYNC, Download, NodeDialogues
@@ -105,7 +106,7 @@ class CanopenMaster:
         self._outage.forget()
         self._error_frames = 0
         self._questions = {}
-        self._heard_master = False
+        self._heard = Heard()
         self._foreign_sync_told = -math.inf
         self._flooded_since = math.inf  # s, the first of the cycles that have left frames in the queue
         self._flood_told = False
@@ -117,7 +118,9 @@ class CanopenMaster:
         guarded = [link.node for link in self._links if link.guarded]
         self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
         self._io = IoExchange(self.image, self._links, self._send)
-        self._watch = NodeWatch(self.image, self._config, self._links, self._send_data, self._io.refresh)
+        self._watch = NodeWatch(
+            self.image, self._config, self._links, self._send_data, self._io.refresh, self._heard.boot_ups
+        )
         if not self._shares_image:
             forget(self.image)
 
@@ -145,8 +148,7 @@ class CanopenMaster:
             self._links,
             self._dialogues,
             self._wait,
-            lambda: self._heard_master,
-            self._watch.boot_ups,
+            self._heard,
         )
         self._watch.begin(self._dialogues)
         self._clients = self._boot.clients
@@ -211,10 +213,10 @@ class CanopenMaster:
             self._clients[link.node].take(data)
 
     def _on_foreign_master(self, data: bytearray) -> None:
-        self._heard_master = True
+        self._heard.master = True
 
     def _on_foreign_sync(self, data: bytearray) -> None:
-        self._heard_master = True
+        self._heard.master = True
         if self._running and self._cycle_time - self._foreign_sync_told >= TOLD_PAUSE:
             self._foreign_sync_told = self._cycle_time
             self._tell(catalogue.FOREIGN_SYNC)
@@ -340,7 +342,10 @@ class CanopenMaster:
                 self._on_error_frame(message.arbitration_id)
                 continue
             data = message.data
-            if message.is_extended_id or message.is_remote_frame or data is None or len(data) > 8:
+            if message.is_extended_id or message.is_remote_frame or data is None:
+                continue
+            if len(data) > CLASSIC:
+                self._heard.long_frame(message.arbitration_id, data, self._config.master_node)
                 continue
             self._bits += self._frame_bits[len(data)]
             receiver = table.get(message.arbitration_id)

@@ -19,7 +19,7 @@ EMERGENCY_PAUSE: Final = 1.0  # s in which the same emergency of a node is told 
 
 
 class NodeWatch:
-    """`send(cob_id, data)` puts a frame on the bus; what it raises comes through.
+    """`send(cob_id, data)` puts a frame on the bus; what it raises comes through. `boot_ups`: counted by node id.
 
     `running` and `now` (s, of this cycle) are set by the master.
     """
@@ -31,15 +31,16 @@ class NodeWatch:
         links: Links,
         send: Callable[[int, bytes], None],
         refresh_outputs: Callable[[], None],
+        boot_ups: Counter[int],
     ) -> None:
         self.running = False
         self.now = 0.0
-        self.boot_ups: Counter[int] = Counter()  # by node id
         self._image = image
         self._config = bus
         self._links = links
         self._send = send
         self._refresh_outputs = refresh_outputs
+        self._boot_ups = boot_ups
         self._rejoins: dict[int, Rejoin] = {}  # by node id: those on their way back
         self._watching = False
 
@@ -142,7 +143,7 @@ class NodeWatch:
         link.last_heartbeat = self.now
         if state == BOOT_UP:
             link.booted = True
-            self.boot_ups[link.node] += 1
+            self._boot_ups[link.node] += 1
         if self.running and not link.lost and state != OPERATIONAL:
             entry = catalogue.NODE_RESTARTED if state == BOOT_UP else catalogue.NODE_LEFT_OPERATIONAL
             self.lose(link, entry.id, state)

@@ -49,6 +49,11 @@ BUS_NO_FD = ErrorEntry(
     remedy="ip link set {channel} down; ip link set {channel} up type can bitrate {bitrate} dbitrate 4000000 fd on; "
     "if the card has no CAN FD, set fd of the bus to false",
 )
+CANOPEN_FD = ErrorEntry(
+    303009,
+    "node {node} ({owner}) is a device of CANopen FD (CiA 1301): it speaks USDO, and this runtime the SDO of CiA 301",
+    remedy="set the device to CiA 301, if it can be; else use one that speaks it",
+)
 
 # -- what the machine description asks for, and cannot be ------------------------------------------------------------
 EDS_UNREADABLE = ErrorEntry(
