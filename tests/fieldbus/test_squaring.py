@@ -262,4 +262,4 @@ def test_an_end_that_begins_to_count_anew_has_gone_no_way() -> None:
     offset = squaring.step(True, first, second, 20.0)
     assert second.place - first.place - offset == pytest.approx(0.0)
     squaring.step(False, first, second, offset)
-    assert squaring.state == HomingState.IDLE
+    assert squaring.state.name == "IDLE"
