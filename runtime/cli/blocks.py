@@ -18,6 +18,7 @@ from runtime.cnc.path_preparation import Frames, PathError
 from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import TandemError
+from runtime.scheduler.offset_tables import copied_offsets
 from runtime.scheduler.tool_tables import copied_tools
 
 
@@ -32,7 +33,7 @@ def command(
     try:
         machine = load_machine(config)
         setup = DecoderSetup.from_machine(machine)
-        memory = ChannelMemory(setup, copied_tools(machine, os.environ))
+        memory = ChannelMemory(setup, copied_tools(machine, os.environ), copied_offsets(machine, os.environ))
         program = load_program(file, setup, dialect)
     except TandemError as error:
         _tell(error)

@@ -33,10 +33,12 @@ from runtime.cnc.path_preparation import LateSynchronisation, MicroJointSettings
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.stages import prepared
 from runtime.cnc.tool_radius_comp import CompensationError
+from runtime.cnc.tools.offset_table import MemoryOffsets
 from runtime.cnc.tools.table import MemoryTools
 from runtime.cnc.tools.tool import Tool
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import Problem, Severity, TandemError
+from runtime.scheduler.offset_tables import copied_offsets
 from runtime.scheduler.tool_tables import copied_tools
 
 # A loop that runs so long without any output does not end by itself in a check, where no PLC changes anything.
@@ -62,6 +64,7 @@ def command(
         setup, limits = DecoderSetup.from_machine(machine), SoftwareLimits.of(machine)
         axes = AxisLimits.of(machine.axes[machine.axis_index(name)] for name in machine.channels[0].axes)
         tools = copied_tools(machine, os.environ).all()
+        offsets = copied_offsets(machine, os.environ)
         joints = MicroJointSettings.of(machine.channels[0].parameters)
     except TandemError as error:
         for problem in error.problems:
@@ -69,7 +72,7 @@ def command(
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, limits, axes, dialect, tools, joints)
+        problems, warnings = check(file, setup, limits, axes, dialect, tools, joints, offsets)
         for problem in (*problems, *warnings):
             typer.echo(explained(problem))
         failed |= bool(problems)
@@ -84,10 +87,11 @@ def check(
     dialect: str = "isg",
     tools: Iterable[Tool] = (),
     joints: MicroJointSettings | None = None,
+    offsets: MemoryOffsets | None = None,
 ) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
     """Errors and warnings of a program that starts with all axes at 0, or where they can stand next to it.
 
-    First all of its text is looked through, then it is executed without a machine, with `tools`.
+    First all of its text is looked through, then it is executed without a machine, with `tools` and a copy of `offsets`.
     """
     warnings: list[Problem] = []
     decoder: AnyDecoder | None = None
@@ -103,7 +107,7 @@ def check(
                     break
         if errors:
             return tuple(errors), tuple(warnings)
-        memory = ChannelMemory(setup, MemoryTools(tools))
+        memory = ChannelMemory(setup, MemoryTools(tools), None if offsets is None else offsets.copy())
         start = limits.nearest(np.zeros(len(setup.axes)))
         decoder = decoder_of(program, setup, start=start, memory=memory, idle_limit=IDLE_LIMIT)
         for _ in prepared(decoder.blocks(), axes, limits, LateSynchronisation(), warnings, joints):

@@ -21,6 +21,7 @@ from runtime.cnc.path_preparation import SoftwareLimits
 from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
+from runtime.scheduler.offset_tables import copied_offsets
 from runtime.scheduler.tool_tables import copied_tools
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def contours_of(file: Path, machine: Machine, dialect: str = "isg") -> list[Cont
         return []
     try:
         start = SoftwareLimits.of(machine).nearest(np.zeros(len(setup.axes)))
-        memory = ChannelMemory(setup, copied_tools(machine, os.environ))
+        memory = ChannelMemory(setup, copied_tools(machine, os.environ), copied_offsets(machine, os.environ))
         decoder = decoder_of(program, setup, start=start, memory=memory, idle_limit=MOST_MOTIONS)
         for block in ToolRadiusCompensation()(found.programmed(decoder.blocks())):
             if not found.drive(block):

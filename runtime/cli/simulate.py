@@ -38,6 +38,7 @@ def command(
     from runtime.config import load_machine
     from runtime.diagnostics.catalogue import system
     from runtime.diagnostics.errors import TandemError
+    from runtime.scheduler.offset_tables import copied_offsets
     from runtime.scheduler.simulation import Simulation
     from runtime.scheduler.tool_tables import copied_tools
 
@@ -58,6 +59,7 @@ def command(
         plc=not no_plc,
         base=config.parent if config else None,
         tools=copied_tools(machine, os.environ),
+        offsets=copied_offsets(machine, os.environ),
         record=record,
         machine_file=config,
     )

@@ -467,6 +467,43 @@ class RadiusCompensation:
     settings: CompensationSettings = CompensationSettings()
 
 
+class VectorOrder(Enum):
+    """What a block says about compensation by vectors."""
+
+    SELECT = 1  # side and radius, from the next motion on
+    HOLD = 2  # the next motion ends with the vector with which it begins
+    CORNER_ARC = 3  # an arc around the next outside corner
+    SUSPEND = 4  # the vector goes with the motion before, what follows is driven as it is
+    RESUME = 5  # the next motion ends with a vector again
+
+
+@dataclass(frozen=True, slots=True)
+class VectorSettings:
+    """How corners of compensation by vectors are looked after."""
+
+    least_gap: float = 0.0  # mm: of two vectors nearer to each other in both axes, one is left out
+    checked: bool = True  # motions against their programmed direction are found,
+    repaired: bool = False  # and vectors left out until there are none
+
+
+@dataclass(frozen=True, slots=True)
+class VectorCompensation:
+    """Radius compensation that gives the end of every motion a vector: what holds from here on, or happens here.
+
+    `offset` is how far the tool runs to the left of the contour on the machine, mm, negative to the right; with `active` and 0
+    no vector is made, and the compensation goes on; without `active` it is over. `direction` is that of an auxiliary line
+    in the plane of the machine. Taken by the stage of radius compensation; it does not reach the queue.
+    """
+
+    source: Source
+    order: VectorOrder
+    plane: tuple[int, int] = (0, 1)
+    active: bool = True
+    offset: float = 0.0
+    direction: tuple[float, float] | None = None
+    settings: VectorSettings = VectorSettings()
+
+
 @dataclass(frozen=True, slots=True)
 class DynamicsChange:
     """Other dynamic settings from here on; at program start those of the channel hold. It does not reach the queue."""
@@ -1041,6 +1078,7 @@ Block = (
     | ActualLimit
     | DynamicsChange
     | RadiusCompensation
+    | VectorCompensation
     | ContourChange
     | SplineChange
     | SegmentationChange

@@ -26,6 +26,7 @@ from runtime.cnc.path_preparation import (
 from runtime.cnc.path_preparation.channel_dynamics import channel_dynamics
 from runtime.cnc.preparation_link import Failure, Order, PreparationLink, PreparationState, StartOrder
 from runtime.cnc.stages import prepared
+from runtime.cnc.tools.offset_table import OffsetTable
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.errors import TandemError
@@ -40,8 +41,8 @@ Source = Callable[[StartOrder, RunningMachine], Iterator[Block]]
 class Preparation:
     """`poll` acts on the waiting order and then moves one batch of blocks; it never blocks on the queue.
 
-    `outside` is what the decoder sees of the machine, `tools` its tool table. `source` takes the place of file and
-    decoder: it makes the blocks of a program that is started.
+    `outside` is what the decoder sees of the machine, `tools` its tool table, `offsets` its offset table. `source` takes the
+    place of file and decoder: it makes the blocks of a program that is started.
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class Preparation:
         outside: RunningMachine,
         *,
         tools: ToolTable | None = None,
+        offsets: OffsetTable | None = None,
         dialect: str = "isg",
         on_block: Callable[[Block], None] | None = None,
         source: Source | None = None,
@@ -61,7 +63,7 @@ class Preparation:
         self._names = machine.channels[channel].axes
         self._period = machine.cycle.period
         self._setup = DecoderSetup.from_machine(machine, channel)
-        self._memory = ChannelMemory(self._setup, tools)
+        self._memory = ChannelMemory(self._setup, tools, offsets)
         self._late = LateSynchronisation()
         self._machine, self._channel = machine, channel
         self._run_ahead = RunAhead.of(machine.channels[channel].parameters)

@@ -19,6 +19,7 @@ from runtime.kernels import warm_up
 from runtime.scheduler import names
 from runtime.scheduler.children import die_with_parent, wait_until_raised
 from runtime.scheduler.memory_pressure import PREPARATION_SCORE, give_way
+from runtime.scheduler.offset_tables import machine_offsets
 from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.preparation import Preparation
 from runtime.scheduler.tool_tables import machine_tools
@@ -60,8 +61,16 @@ def main() -> None:
     link = PreparationLink(n_axes, names.link(arguments.name, arguments.channel), create=False)
     memory = HliMemory.attach(arguments.name)
     outside = RunningMachine(machine, memory.hli, link, now=datetime.now)
-    tools = machine_tools(machine, os.environ)
-    preparation = Preparation(machine, arguments.channel, queue, link, outside, tools=tools, dialect=arguments.dialect)
+    preparation = Preparation(
+        machine,
+        arguments.channel,
+        queue,
+        link,
+        outside,
+        tools=machine_tools(machine, os.environ),
+        offsets=machine_offsets(machine, os.environ),
+        dialect=arguments.dialect,
+    )
     link.announce()
     while not stopping or (memory.hli.head.running_r and memory.owner_alive):  # one that is missing would be an alarm
         state = preparation.poll()

@@ -20,6 +20,7 @@ from runtime.cnc.blocks import Block
 from runtime.cnc.motion_queue import CAPACITY, MotionQueue
 from runtime.cnc.path_preparation import PumpState
 from runtime.cnc.preparation_link import PreparationLink
+from runtime.cnc.tools.offset_table import OffsetTable
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
@@ -100,6 +101,7 @@ class Simulation:
         base: Path | None = None,
         start_position: Floats | None = None,
         tools: ToolTable | None = None,
+        offsets: OffsetTable | None = None,
         plant: SimulatedPlant | None = None,
         record: Path | None = None,
         machine_file: Path | None = None,
@@ -122,6 +124,7 @@ class Simulation:
             self.link,
             self.outside,
             tools=listed_tools(machine) if tools is None else tools,
+            offsets=offsets,
             dialect=dialect,
             on_block=self._trace_block if trace else None,
         )

@@ -64,6 +64,7 @@ class WordBlocks:
         """What holds from program start on: dynamics, zero offset (V.G.NP_DEFAULT), G functions (prog_start.g_gruppe)."""
         if self._x.dynamics != USUAL:
             self._x.emit(DynamicsChange(self._x.source, self._x.dynamics))
+        self._x.read_offsets()
         select_zero_offset(self._x, self._x.memory.zero_default)
         begin_with_tools(self._x)
         restore(self._x)

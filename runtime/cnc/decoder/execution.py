@@ -48,6 +48,7 @@ from runtime.cnc.language.isg.macros import MACRO_DEPTH
 from runtime.cnc.language.isg.parser import BlockParser, block_parser
 from runtime.cnc.language.isg.syntax import Group, Vocabulary
 from runtime.cnc.language.isg.words import ParsedBlock
+from runtime.cnc.tools.offset_table import OffsetTableError
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
@@ -186,6 +187,13 @@ class Execution:
         self.external = ExternalVariables(setup.external, outside, self)
         self.environment = DecoderEnvironment(self)
         self.parser: BlockParser = block_parser(setup.addresses, self.vocabulary)
+
+    def read_offsets(self) -> None:
+        """At program start: what is kept in the offset table. ProgramError if it cannot be read."""
+        try:
+            self.memory.read_offsets()
+        except OffsetTableError as error:
+            raise ProgramError(error.problem.entry, self.unit.place(0), **error.problem.values) from None
 
     # ------------------------------------------------------------------ blocks out
 

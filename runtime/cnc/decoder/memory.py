@@ -7,6 +7,7 @@
     macros (until #INIT MACRO TAB, manual line 26013)     file names of #FILE NAME (line 16103)
     tool table, factors of tool life                      selected tool, T
     stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
+    compensation registers, the common offset             what was read from a register
     synchronisation of M and H functions                  loops, modal cycles, single-step locks
 
 The table is true because the first column is in `ChannelMemory` and the second in `Execution`, which is made per start.
@@ -23,6 +24,7 @@ from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.setup import DecoderSetup, Pairs
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
+from runtime.cnc.tools.offset_table import COMMON, MemoryOffsets, OffsetTable, WorkOffset
 from runtime.cnc.tools.table import MemoryTools, ToolTable
 from runtime.cnc.tools.tool import Tool
 
@@ -43,11 +45,14 @@ class ChannelMemory:
     """Made once per start of the runtime, handed to every decoder of the channel.
 
     `zero_offsets` (97, n): stored data sets; `zero_enabled` the flags of G160; `macros` those of programs, in front of
-    the configured ones. `tools`: the tool table of the machine; without it an empty one.
+    the configured ones. `tools`: the tool table of the machine; without it an empty one. `offsets`: the compensation
+    registers, and the work offsets that programs and operators have set; `common_offset` (n,) is added to every data set.
     """
 
-    def __init__(self, setup: DecoderSetup, tools: ToolTable | None = None) -> None:
+    def __init__(self, setup: DecoderSetup, tools: ToolTable | None = None, offsets: OffsetTable | None = None) -> None:
         self.tools = MemoryTools() if tools is None else tools
+        self.offsets: OffsetTable = MemoryOffsets() if offsets is None else offsets
+        self._channel, self._axes = setup.channel_number, setup.axes
         self.tool_left: Tool | None = None  # of an external management, that the last program has selected
         self.life_factors = [1.0, 1.0]  # V.TLM.TIME_FACT, V.TLM.DIST_FACT
         self.tool_writes = 0  # V.G.TOOL_LIST_INVOKE
@@ -55,6 +60,8 @@ class ChannelMemory:
         self.zero_offsets: Floats = np.zeros((ZERO_OFFSET_SETS, n))
         for number in range(53, 60):
             self.zero_offsets[number - 53] = setup.zero_offset(number)
+        self._described: Floats = self.zero_offsets.copy()
+        self.common_offset: Floats = np.zeros(n)
         self.zero_enabled: Floats = np.ones((ZERO_OFFSET_SETS, n))
         self.zero_default = 0
         self.zero_writes = np.zeros(ZERO_OFFSET_SETS, np.int64)  # V.G.NP[j].INVOKE_COUNT
@@ -74,6 +81,28 @@ class ChannelMemory:
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
         self.parameter_arrays: Scope | None = None
+
+    def read_offsets(self) -> None:
+        """Take over what is set in the offset table: when a program starts. Raises OffsetTableError."""
+        for (data_set, name), offset in self.offsets.work_offsets(self._channel).items():
+            if name not in self._axes or not COMMON <= data_set < ZERO_OFFSET_SETS:
+                continue
+            axis = self._axes.index(name)
+            if offset.described == self._described_offset(data_set, axis):
+                (self.common_offset if data_set == COMMON else self.zero_offsets[data_set])[axis] = offset.value
+
+    def set_work_offset(self, data_set: int, axis: int, value: float) -> None:
+        """Set the offset of an axis, mm or degrees, in a data set or in COMMON; it is kept. Raises OffsetTableError."""
+        described = self._described_offset(data_set, axis)
+        self.offsets.set_work_offset(self._channel, data_set, self._axes[axis], WorkOffset(value, described))
+        if data_set == COMMON:
+            self.common_offset[axis] = value
+        else:
+            self.zero_offsets[data_set, axis] = value
+            self.zero_writes[data_set] += 1
+
+    def _described_offset(self, data_set: int, axis: int) -> float:
+        return 0.0 if data_set == COMMON else float(self._described[data_set, axis])
 
     def start_parameters(self, setup: DecoderSetup) -> Parameters:
         """The P parameters that a program starts with: those of the one before it, or none (P-CHAN-00067)."""

@@ -36,6 +36,7 @@ from runtime.cnc.blocks import (
     StopKind,
     TechnologyFunction,
     ToolRadius,
+    VectorCompensation,
     Wait,
 )
 from runtime.cnc.tool_radius_comp.approach import (
@@ -66,6 +67,7 @@ from runtime.cnc.tool_radius_comp.errors import CompensationError
 from runtime.cnc.tool_radius_comp.meeting import NEAR
 from runtime.cnc.tool_radius_comp.pieces import Piece, Point, in_pieces, straight
 from runtime.cnc.tool_radius_comp.segments import can_be_split, in_segments
+from runtime.cnc.tool_radius_comp.vectors import VectorRun
 from runtime.cnc.tool_radius_comp.window import Window, move_of, part
 from runtime.diagnostics.catalogue import radius as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
@@ -96,6 +98,7 @@ class ToolRadiusCompensation:
 
     def __call__(self, blocks: Iterable[Block]) -> Iterator[Block]:
         run = _Run()
+        vectors = VectorRun()
         for block in blocks:
             if run.add(block):
                 continue
@@ -108,6 +111,10 @@ class ToolRadiusCompensation:
                 yield from run.change_tool(block)
             elif isinstance(block, RadiusCompensation):
                 yield from run.change(block)
+            elif isinstance(block, VectorCompensation):
+                yield from vectors.order(block)
+            elif vectors.active:
+                yield from vectors.take(block)
             elif run.off:
                 yield block
             else:

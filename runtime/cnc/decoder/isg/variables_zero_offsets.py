@@ -16,6 +16,7 @@ from runtime.cnc.decoder.memory import ZERO_OFFSET_SETS
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.functions import as_number
 from runtime.cnc.language.isg.words import ValueKind
+from runtime.cnc.tools.offset_table import OffsetTableError
 from runtime.diagnostics.catalogue import language as catalogue
 
 _SPEC = "isg.var.g-zero-offsets"
@@ -41,6 +42,17 @@ def _in_range(x: Execution, axis: int, value: float, name: str) -> float:
     return offset
 
 
+def _keep(x: Execution, index: int, offsets: dict[int, float]) -> None:
+    """Change a stored set. It counts as written once."""
+    before = x.memory.zero_writes[index]
+    try:
+        for axis, offset in offsets.items():
+            x.memory.set_work_offset(index, axis, offset)
+    except OffsetTableError as error:
+        raise CalculationError(error.problem.entry, "V.G.NP", **error.problem.values) from None
+    x.memory.zero_writes[index] = before + 1
+
+
 @variable("V.G.NP[].V.<axis>", _SPEC, "stored zero offset", unit="mm, inch, deg", syntax="V.G.NP[j].V.<axis>")
 def stored(x: Execution, number: float, axis: int) -> float:
     return x.shown(axis, float(x.memory.zero_offsets[_set(number)][axis]))
@@ -49,8 +61,7 @@ def stored(x: Execution, number: float, axis: int) -> float:
 @writes("V.G.NP[].V.<axis>")
 def store(x: Execution, value: float, number: float, axis: int) -> None:
     index = _set(number)
-    x.memory.zero_offsets[index][axis] = _in_range(x, axis, value, "V.G.NP")
-    x.memory.zero_writes[index] += 1
+    _keep(x, index, {axis: _in_range(x, axis, value, "V.G.NP")})
 
 
 @variable("V.G.NP[].ALL", _SPEC, "all offsets of a stored set", kind=ValueKind.ANY, syntax="V.G.NP[j].ALL")
@@ -61,8 +72,7 @@ def stored_set(x: Execution, number: float) -> Floats:
 @writes("V.G.NP[].ALL")
 def store_set(x: Execution, value: object, number: float) -> None:
     index = _set(number)
-    x.memory.zero_offsets[index] = _whole(value, "V.G.NP")
-    x.memory.zero_writes[index] += 1
+    _keep(x, index, {axis: float(offset) for axis, offset in enumerate(_whole(value, "V.G.NP"))})
 
 
 @variable("V.G.NP_AKT.V.<axis>", _SPEC, "active zero offset", unit="mm, inch, deg")
