@@ -25,6 +25,7 @@ from runtime.config.drive import Configuration, Drive, Identity, SimulatedServo
 from runtime.config.external import ExternalVariable, Member
 from runtime.config.fir_filter import FirFilter
 from runtime.config.model import FileBeside, Model, Several, beside, folder_of
+from runtime.config.nct import NctParameters
 from runtime.config.quantities import UnitError, parse_quantity
 from runtime.config.quantity_fields import Acceleration, Jerk, Length, Seconds, Velocity, VelocityStep
 from runtime.diagnostics.catalogue import configuration as errors
@@ -158,6 +159,9 @@ class Axis(Model):
     jog_velocity: Velocity | None = None  # by hand, until the PLC or the program names another; default: a tenth
     feed_hold: FeedHoldRamp = FeedHoldRamp()
     homing: HomingSetup | None = None  # None: the encoder is absolute, the axis has its reference always
+    reference_points: Several[Length] = Field(
+        default=(), max_length=3
+    )  # the second to the fourth one (G30 P2 to P4, NCT dialect)
     drive: Drive | None = None
     compensation: Compensation | None = None
     fir_filter: FirFilter | None = None  # of the set-points of the path (#FILTER)
@@ -185,6 +189,7 @@ class Channel(Model):
     program_paths: Several[FileBeside] = (".",)  # where programs are looked for, if there are no path[] parameters
     zero_offsets: dict[ZeroOffsetName, dict[str, Length]] = Field(default_factory=dict)  # "G54" -> axis -> mm
     backward_storage: int = Field(default=0, ge=0, le=20_000)  # records of path for backward motion (P-STUP-00033)
+    nct: NctParameters = NctParameters()  # parameters of programs in the NCT dialect
     parameter_list: ParameterList | None = None  # list file of channel parameters; before `parameters`, which read it
     parameters: Annotated[ChannelParameters, BeforeValidator(_parameters)] = Field(
         default=ChannelParameters(), validate_default=True

@@ -8,6 +8,7 @@
     tool table, factors of tool life                      selected tool, T
     stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
     compensation registers, the common offset             what was read from a register
+    intermediate points of G28 and G30
     synchronisation of M and H functions                  loops, modal cycles, single-step locks
 
 The table is true because the first column is in `ChannelMemory` and the second in `Execution`, which is made per start.
@@ -62,6 +63,9 @@ class ChannelMemory:
             self.zero_offsets[number - 53] = setup.zero_offset(number)
         self._described: Floats = self.zero_offsets.copy()
         self.common_offset: Floats = np.zeros(n)
+        self.intermediate: Floats = np.zeros(
+            n
+        )  # points of the last G28 or G30 of the NCT dialect, in program coordinates
         self.zero_enabled: Floats = np.ones((ZERO_OFFSET_SETS, n))
         self.zero_default = 0
         self.zero_writes = np.zeros(ZERO_OFFSET_SETS, np.int64)  # V.G.NP[j].INVOKE_COUNT

@@ -30,6 +30,7 @@ from runtime.config.channel.synchronisation import (
 from runtime.config.external import ExternalLayout
 from runtime.config.fir_filter import FirFilter
 from runtime.config.machine import AxisType, Machine
+from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
 from runtime.hli.external import ExternalEntry, directory_of
@@ -260,6 +261,8 @@ class DecoderSetup:
     rotation_sequence: str = USUAL_SEQUENCE  # P-CHAN-00394
     rotation_fixed: bool = False  # P-CHAN-00393
     offsets_of_systems: bool = True  # P-CHAN-00397, of axes behind the main axes too
+    fixed_points: tuple[tuple[float, ...], ...] = ()  # the second to the fourth reference point, mm or degrees, (n,)
+    nct: NctParameters = field(default_factory=NctParameters)
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -371,6 +374,8 @@ class DecoderSetup:
             rotation_sequence=parameters.coordinate_system.rotation_sequence,
             rotation_fixed=parameters.coordinate_system.rotation_mode_fixed,
             offsets_of_systems=parameters.coordinate_system.axes_offsets_layer_specific,
+            fixed_points=tuple(axis.reference_points for axis in axes),
+            nct=described.nct,
             job_units=parameters.plcopen_std_unit,
             jobs_wait=parameters.plcopen_implicit_sync,
             couplings=parameters.synchro_data.axis_pairs,

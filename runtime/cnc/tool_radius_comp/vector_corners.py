@@ -80,8 +80,10 @@ def corner(e: Elements, f: Elements) -> list[Piece]:
 
 
 def change_of_side(e: Elements, f: Elements) -> list[Piece] | None:
-    """The vectors where the side changes: the meeting point of both offset paths, if it lies on them or one radius beyond; without one,
-    for a straight motion in front, the points square to its end and to the start of the next. None: neither."""
+    """The vectors where the side changes: the meeting point of both offset paths, if it lies on them or one radius beyond.
+
+    Without one, for a straight motion in front, the points square to its end and to the start of the next. None: neither.
+    """
     reach = abs(float(e[0]["o1"])) + NEAR
     ways = []
     for x, y in _meeting_points(e[0], f[0]):

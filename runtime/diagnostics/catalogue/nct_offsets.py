@@ -58,3 +58,41 @@ RADIUS_OVER_ARC = ErrorEntry(
     remedy="use a smaller tool or a larger arc",
     source="NCT manual line 4217",
 )
+DIRECTION_ZERO = ErrorEntry(
+    322208, "I, J and K give no direction", remedy="one of the two of the plane has to differ from 0"
+)
+HOLD_OUTSIDE = ErrorEntry(322209, "3039: G38 needs cutter compensation", remedy="program it while G41 or G42 holds")
+HOLD_IN_ARC = ErrorEntry(322210, "3040: G38 needs a straight move", remedy="program it while G00 or G01 holds")
+ARC_OUTSIDE = ErrorEntry(322211, "3036: G39 needs cutter compensation", remedy="program it while G41 or G42 holds")
+
+# -- offsets, lengths, reference points ----------------------------------------------------------------------------
+
+AXIS_WANTED = ErrorEntry(322101, "{what} needs an axis", remedy="write the axes that it is for into the block")
+VALUE_MISSING = ErrorEntry(322102, "{what} needs {word}", remedy="write {word} with its value into the block")
+SETTING_UNKNOWN = ErrorEntry(
+    322103,
+    "G10 sets nothing without L2, L10, L11, L12 or L13",
+    remedy="L2: work offsets; L10 to L13: compensation registers",
+)
+OFFSET_ERRONEOUS = ErrorEntry(
+    322104,
+    "3008: G45 to G48 with D{number}, while the offset of D{other} is still in the position",
+    remedy="take the offset back with the same D first",
+)
+OFFSET_BESIDE = ErrorEntry(322105, "{name} cannot stand beside cutter compensation", remedy="program G40 first")
+REFERENCE_FORMAT = ErrorEntry(322106, "3051: {name}: {reason}", remedy="G28 v, G29 v, G30 v P: v are axis words")
+FIXED_POINT_MISSING = ErrorEntry(
+    322107,
+    "axis {axis} has no reference point {number}",
+    remedy="give it in the machine description: axes[].reference_points",
+)
+
+# -- transformations -----------------------------------------------------------------------------------------------
+
+MIRROR_INSIDE = ErrorEntry(
+    322150, "3000: a mirror image cannot change while G51 or G68 holds", remedy="program G50 and G69 before it"
+)
+NOT_NESTED = ErrorEntry(
+    322151, "{name} before {other}: what was switched on last is switched off first", remedy="program {other} before it"
+)
+PLANE_TURNED = ErrorEntry(322152, "the plane cannot change while G68 holds", remedy="program G69 before it")

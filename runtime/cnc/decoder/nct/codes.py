@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import runtime.cnc.decoder.nct.g_compensation
+import runtime.cnc.decoder.nct.g_length
 import runtime.cnc.decoder.nct.g_motion
+import runtime.cnc.decoder.nct.g_offsets
+import runtime.cnc.decoder.nct.g_reference
 import runtime.cnc.decoder.nct.g_select
+import runtime.cnc.decoder.nct.g_transformations
 import runtime.cnc.decoder.nct.m_program  # noqa: F401

@@ -15,9 +15,12 @@ from runtime.cnc.blocks import Floats, Source
 from runtime.cnc.decoder.execution import COMPILED_BLOCKS, Execution
 from runtime.cnc.decoder.library import Library as IsgLibrary
 from runtime.cnc.decoder.memory import ChannelMemory
+from runtime.cnc.decoder.nct.coordinates import NumberedCoordinates
 from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.names import namespace
 from runtime.cnc.decoder.nct.registry import G_CODES, GCall, GCode, Group
+from runtime.cnc.decoder.nct.used_registers import UsedRegisters
+from runtime.cnc.decoder.nct.vector_selection import VectorSelection
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.setup import DecoderSetup
@@ -26,6 +29,7 @@ from runtime.cnc.language.nct.addresses import COORDINATES
 from runtime.cnc.language.nct.compiler import CompiledBlock, compile_block
 from runtime.cnc.language.nct.parser import block_parser
 from runtime.cnc.language.nct.program_file import BlockText, Unit
+from runtime.cnc.tools.offset_table import OffsetTableError
 from runtime.diagnostics.catalogue import nct as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
@@ -56,6 +60,7 @@ class NctExecution(Execution):
     """One run of one NCT program."""
 
     levels: Levels  # type: ignore[assignment]  # of this dialect; set by whoever executes
+    coordinates: NumberedCoordinates
 
     def __init__(
         self,
@@ -80,6 +85,9 @@ class NctExecution(Execution):
         self.actions: list[Callable[[], None]] = []  # of the block in work, when everything else is done
         self.namespace: dict[str, Any] = namespace(self)
         self._compiled: dict[tuple[int, int], CompiledBlock] = {}
+        self.coordinates = NumberedCoordinates.at(start)
+        self.compensation = self.vectors = VectorSelection(setup.nct)
+        self.used = UsedRegisters()
 
     # ------------------------------------------------------------------ words of the block in work
 
@@ -125,6 +133,14 @@ class NctExecution(Execution):
         return block
 
     # ------------------------------------------------------------------ what the shared part asks for
+
+    def read_offsets(self) -> None:
+        """At program start: work offsets as they are kept, the common one among them. ProgramError if they cannot be read."""
+        try:
+            self.memory.read_offsets()
+        except OffsetTableError as error:
+            raise ProgramError(error.problem.entry, self.level.unit.place(0), **error.problem.values) from None
+        self.coordinates.common = [float(offset) for offset in self.memory.common_offset]
 
     @property
     def level(self) -> Frame:

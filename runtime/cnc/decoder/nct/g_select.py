@@ -8,6 +8,7 @@ from runtime.cnc.decoder.nct.registry import GCall, Group, g_code
 from runtime.cnc.decoder.selection import plane_changed
 from runtime.cnc.language.errors import LineError
 from runtime.diagnostics.catalogue import nct as catalogue
+from runtime.diagnostics.catalogue.nct_offsets import PLANE_TURNED
 
 
 def _plane(x: NctExecution, call: GCall, plane: Plane) -> None:
@@ -15,6 +16,8 @@ def _plane(x: NctExecution, call: GCall, plane: Plane) -> None:
         return
     if x.modal.compensation_side:
         raise LineError(catalogue.PLANE_COMPENSATED, call.column)
+    if x.coordinates.rotation is not None:
+        raise LineError(PLANE_TURNED, call.column)
     x.modal.plane = plane
     plane_changed(x, call.column)
 

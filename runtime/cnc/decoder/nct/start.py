@@ -4,16 +4,35 @@ from __future__ import annotations
 
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.registry import G_CODES, tenths_of
-from runtime.cnc.decoder.selection import select_zero_offset
 
 # In their order; codes that are not registered are passed over. Where the table leaves a choice, it is CODES.
-START = ("0", "13.1", "15", "17", "21", "25", "40", "49", "50", "50.1", "64", "67", "69", "80", "90", "94", "97", "98")
+START = (
+    "0",
+    "13.1",
+    "15",
+    "17",
+    "21",
+    "25",
+    "40",
+    "49",
+    "50",
+    "50.1",
+    "54",
+    "64",
+    "67",
+    "69",
+    "80",
+    "90",
+    "94",
+    "97",
+    "98",
+)
 
 
 def begin_program(x: NctExecution) -> None:
     """The state at program start. The work coordinate system is the first one (G54)."""
     x.modal.centre_correction = False  # a centre that does not fit makes a spiral
-    select_zero_offset(x, 1)
+    x.read_offsets()
     for number in START:
         tenths = tenths_of(number)
         if tenths in G_CODES:
