@@ -39,6 +39,7 @@ SUB_COMMANDS = (
     SubCommand("simulate", "runtime.cli.simulate", "Run a program in virtual time, as fast as the computer can."),
     SubCommand("compare", "runtime.cli.compare", "Overlay two traces of simulate: what did this parameter change?"),
     SubCommand("tools", "runtime.cli.tools", "Show and change the tool table of a machine."),
+    SubCommand("offsets", "runtime.cli.offsets", "Show and change work offsets and compensation registers."),
     SubCommand("run", "runtime.cli.run", "Run the machine in real time until stopped."),
     SubCommand("doctor", "runtime.cli.doctor", "Tell whether this host is fit for real time, and what to do if not."),
     SubCommand("bus", "runtime.cli.bus", "Look at the nodes of a CANopen bus on which no machine runs."),

@@ -209,6 +209,7 @@ class VectorRun:
         if motion is None:
             yield from self._in_place(block)
             return
+        assert not isinstance(block, Polyline | Polynomials)
         source = block.source
         nothing = isinstance(block, Line) and np.abs(block.end - block.start).max() <= NO_LENGTH
         if not nothing:

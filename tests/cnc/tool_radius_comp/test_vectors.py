@@ -414,7 +414,7 @@ def test_vectors_are_left_out_until_nothing_interferes() -> None:
     assert plain.error.problem.entry is catalogue.INTERFERENCE
     there = places(path(VectorSettings(repaired=True)))
     end = np.array([40, 0]) + R * np.array([1, 1]) / math.sqrt(2) + (2 - R * 1.6) * u
-    assert np.allclose(there[:3], [(0, -R), (40 + R, -R), end], atol=1e-6)
+    assert np.allclose(there[:3], [(0, -R), (40 + R, -R), (end[0], end[1])], atol=1e-6)
     assert len(there) == 4
 
 
@@ -471,10 +471,10 @@ def test_the_tool_never_comes_nearer_than_its_radius(outline: list[tuple[float, 
     """Around the outside of a polygon, as long as nothing interferes."""
     middle = (np.array(outline[-1]) + outline[0]) / 2
     away = middle * 2
-    contour = Contour(*away).select(-radius).to(*middle, same=True)
-    for place in [*outline, middle]:
-        contour.to(*place)
-    path = contour.cancel().to(*away, same=True).done()
+    contour = Contour(away[0], away[1]).select(-radius).to(middle[0], middle[1], same=True)
+    for x, y in [*outline, (middle[0], middle[1])]:
+        contour.to(x, y)
+    path = contour.cancel().to(away[0], away[1], same=True).done()
     if path.error is not None:
         assert path.error.problem.entry is catalogue.INTERFERENCE
         return

@@ -169,7 +169,7 @@ def test_g92_deletes_the_local_shift_of_its_axes() -> None:
     """The example: 200, 120 in the work system is 140, 80 in the local one, and becomes 110, 40."""
     run = decode("G0 X200 Y120\nG52 X60 Y40\nG92 X110 Y40")
     assert numbers(run)[:2] == [110, 40]
-    assert run.decoder.execution.coordinates.local == [0, 0, 0]  # type: ignore[attr-defined]
+    assert run.decoder.execution.coordinates.local == [0, 0, 0]
     other = decode("G0 X200 Y120\nG52 X60 Y40\nG92 X110")
     assert numbers(other)[:2] == [110, 80]
 

@@ -37,7 +37,7 @@ def test_the_rotation_of_the_manual(first: str) -> None:
     run = decode(text)
     assert run.problem is None
     points = [(60, 20), (140, 20), (140, 80), (60, 80), (60, 20)]
-    expected = [[0, 0], *(about((90, 60), 60, p) for p in points), [0, 0]]
+    expected: list[list[float]] = [[0, 0], *(about((90, 60), 60, p) for p in points), [0, 0]]
     assert np.allclose([end[:2] for end in run.ends], expected)
     (arc,) = run.of_type("arc")
     assert arc["radius"] == pytest.approx(100)
@@ -111,7 +111,7 @@ def test_the_scaling_of_the_manual(first: str) -> None:
     run = decode(text)
     assert run.problem is None
     points = [(30, 100), (130, 100), (130, 160), (30, 160), (30, 100)]
-    expected = [[0, 0], *([60 + (x - 60) / 2, 140 + (y - 140) / 2] for x, y in points), [0, 0]]
+    expected: list[list[float]] = [[0, 0], *([60 + (x - 60) / 2, 140 + (y - 140) / 2] for x, y in points), [0, 0]]
     assert np.allclose([end[:2] for end in run.ends], expected)
     (arc,) = run.of_type("arc")
     assert arc["radius"] == pytest.approx(50)
