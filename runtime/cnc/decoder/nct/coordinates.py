@@ -41,7 +41,7 @@ class NumberedCoordinates(Coordinates):
         """At a machine position, nothing selected."""
         n = len(position)
         made = cls([float(p) for p in position], Offsets.none(n), [1.0] * n, [1.0] * n, [1.0] * n)
-        made.turns = [0.0] * n
+        made.turns, made.lower = [0.0] * n, [0.0] * n
         made.common, made.shifted, made.local = [0.0] * n, [0.0] * n, [0.0] * n
         made.length, made.displaced = [0.0] * n, [0.0] * n
         made.numbers = list(made.position)
