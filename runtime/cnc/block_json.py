@@ -31,6 +31,7 @@ from runtime.cnc.blocks import (
     SpatialArc,
     SpindleSetting,
     Stop,
+    Suppression,
     TechnologyFunction,
     TimerAction,
     ToolLifeAction,
@@ -52,6 +53,7 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
     ("XY"), arcs in space `normal` (unit vector) in its place; polynomials ("poly") `coefficients` (axis name → six, of a
     parameter from 0 to 1). Functions: `number`, `value`, `synch`, for S `spindle`.
     Dwell: `seconds`. Stop, flush: `kind`. Message: `text`, `receiver`, `acknowledge`, `information`. Timer: `command`, `timer`.
+    Suppression: `feed_stop`, `override`.
     External variable: `offset` (bytes), `kind`, `value`. Error: `number`, `multiple`, `remedy_class`, `values`, `meanings`,
     `further`. Tool radius: `radius` (mm). Tool life: `command`, `basic`, `sister`, `variant`, `time` (s), `distance`
     (mm). Manual mode: `kind` and `axes` (indices), or `axis`, `stage`, `values`; homing: `order`
@@ -75,6 +77,8 @@ def rows(block: Block, axis_names: Sequence[str]) -> Iterator[Row]:
         yield _spatial_arc(block, axis_names)
     elif isinstance(block, Dwell):
         yield {**_source(block.source, "dwell"), "seconds": block.seconds}
+    elif isinstance(block, Suppression):
+        yield {**_source(block.source, "suppression"), "feed_stop": block.feed_stop, "override": block.override}
     elif isinstance(block, ExactStop):
         yield _source(block.source, "exact stop")
     elif isinstance(block, TechnologyFunction):

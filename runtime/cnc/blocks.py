@@ -806,6 +806,16 @@ class FeedForward:
     shares: tuple[float, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Suppression:
+    """What of the operator has no effect when the path is here, until the next one: feed hold (`feed_stop`), and every override,
+    which counts as 100 %."""
+
+    source: Source
+    feed_stop: bool = False
+    override: bool = False
+
+
 class TimerCommand(Enum):
     START = "START"
     STOP = "STOP"
@@ -1091,6 +1101,7 @@ Block = (
     | TimerAction
     | SpindleSetting
     | FeedForward
+    | Suppression
     | AxisJob
     | AxisJobWait
     | ToolLifeAction

@@ -37,6 +37,7 @@ from runtime.cnc.motion_queue import ActionKind, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.cnc.stop_before import StopBefore
+from runtime.cnc.suppression import Suppression
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings, Travel
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
@@ -122,6 +123,7 @@ class Channel:
         self.jobs = ProgramJobs(axis_names)
         self.feed_forward = FeedForwardShares(len(axes), period)
         self.search = BlockSearching(SearchPartner(area.control.block_search_on, area.status))
+        self.suppression = Suppression()
         self.actual_limits = ActualLimits([axis_names[i] for i in axes])
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
@@ -198,6 +200,7 @@ class Channel:
         self.beside.begin()
         self.jobs.begin()
         self.actual_limits.begin()
+        self.suppression.begin()
         self.search.begin(order, locked=locked)
         self._delete_distance.begin()
         self.backward.begin(off=not keeps_path)
@@ -258,6 +261,7 @@ class Channel:
             self.jobs.stop()
         self.search.end(reached=self._came_to_end)
         self._distance.end()
+        self.suppression.begin()
         self.gates.end()
         self._drops = drop
         self.phase = Phase.CLEARING
@@ -331,9 +335,9 @@ class Channel:
             return
         self.functions.put_out_late()
         stop = _NONE
-        if inputs.feed_hold:
-            stop |= _FEED_HOLD
         backward = self.backward
+        if self.suppression.held(inputs.feed_hold, backward.replaying):
+            stop |= _FEED_HOLD
         if self.phase is Phase.RUNNING:
             backward.step(inputs.backward, inputs.simulate_motion, inputs.simulate_mask)
             if backward.changed:
@@ -357,7 +361,7 @@ class Channel:
             stop |= _TECHNOLOGY_FULL
         if self.actions.full:
             stop |= _MESSAGE
-        if self._on(self._no_override):
+        if self._on(self._no_override) or self.suppression.full_override(again):
             override = rapid_override = 1.0
         else:
             override, rapid_override = (
@@ -532,6 +536,8 @@ class Channel:
                 self.functions.set_spindle(record)
             elif record.action is ActionKind.FEED_FORWARD:
                 self.feed_forward.order(self.queue.record(index)["end"][: len(self._axes)])
+            elif record.action is ActionKind.SUPPRESSION:
+                self.suppression.act(record)
             elif record.action is ActionKind.DISTANCE_BEGIN:
                 self._distance.begin(index)
             elif record.action is ActionKind.DISTANCE_END:

@@ -118,6 +118,7 @@ class ActionKind(IntEnum):
     NOTHING = 15  # was something that is left out
     ACTUAL_LIMIT = 16  # POS_LIMIT with ERROR_LR or WARNING
     FEED_FORWARD = 17  # G135…G137: `end` are the shares of the axes
+    SUPPRESSION = 18  # of feed hold and override
 
 
 RECORD = np.dtype(

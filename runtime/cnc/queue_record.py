@@ -34,6 +34,7 @@ class QueueRecord(NamedTuple):
     - an own motion of an axis: the axis, and the target; `feed`, `lead`, `seconds` velocity, acceleration and jerk in s;
     - the gate that waits for own motions: the axes as bits; `offset` 1: until they are in their windows;
     - limits of an actual position: the axis, and the lower one; `seconds` the upper one, `offset` 1: the path stops;
+    - what of the operator has no effect: 1 feed hold, 2 override;
     - a parameter of manual mode: the axis, and the first value; `offset` its kind (position in `ManualValue`), `size` its stage,
       `seconds` the second value.
     """

@@ -62,6 +62,7 @@ from runtime.cnc.blocks import (
     Stop,
     StopKind,
     StopMark,
+    Suppression,
     TakeOver,
     TechnologyFunction,
     TimerAction,
@@ -85,6 +86,7 @@ from runtime.cnc.path_preparation.dynamics import Border
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.path_preparation.filter_orders import filter_orders
 from runtime.cnc.path_preparation.polynomial_dynamics import fit
+from runtime.cnc.suppression import FEED_STOP, OVERRIDE
 from runtime.config.fir_filter import FirFilter
 from runtime.diagnostics.catalogue.motion import ARC_GEOMETRY, NO_FEED, NOT_FINITE, PATH_GAP, POLYNOMIAL_GEOMETRY
 from runtime.diagnostics.errors import Place
@@ -349,6 +351,9 @@ class QueueWriter:
             case FeedForward():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.FEED_FORWARD
                 record["end"][0, : self._axes] = block.shares
+            case Suppression():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.SUPPRESSION
+                record["number"] = FEED_STOP * block.feed_stop + OVERRIDE * block.override
             case SpindleSetting():
                 record["kind"], record["action"], record["spindle"] = (
                     RecordKind.ACTION,
