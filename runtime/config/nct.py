@@ -1,19 +1,64 @@
-"""Parameters of the NCT dialect: what its manual calls the parameter memory, under the names of the manual."""
+"""Parameters of the NCT dialect in the description of a channel, under the names that the control gives them.
+
+Lengths in mm. `g`, `m`: which codes call which programs (G(9010) to G(9019), M(9000) to M(9009), M(9020) to M(9029)).
+"""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from runtime.config.model import Model
 from runtime.config.quantity_fields import Length
 
+_CALLS = (65.0, 66.0, 66.1, 67.0)
+_PROGRAM_FLOW = (0, 1, 2, 30, 98, 99)
+
+GCodeNumber = Annotated[float, Field(ge=-999.9, le=999.9)]
+Common = Annotated[int, Field(ge=500, le=599)]
+
+
+def _callable_g(codes: dict[int, float]) -> dict[int, float]:
+    for program, code in codes.items():
+        if not 9010 <= program <= 9019:
+            raise ValueError(f"{program}: G codes call the programs 9010 to 9019")
+        if abs(code) in _CALLS:
+            raise ValueError(f"G{abs(code):g} is a macro call itself")
+    return codes
+
+
+def _callable_m(codes: dict[int, int]) -> dict[int, int]:
+    for program, code in codes.items():
+        if not (9000 <= program <= 9009 or 9020 <= program <= 9029):
+            raise ValueError(f"{program}: M codes call the subprograms 9000 to 9009 and the macros 9020 to 9029")
+        if not 1 <= code <= 999 or code in _PROGRAM_FLOW:
+            raise ValueError(f"M{code} cannot call a program")
+    return codes
+
 
 class NctParameters(Model):
-    """Machine dependent values of a channel for programs of the NCT dialect."""
+    """What the machine builder chooses for programs of the NCT dialect."""
 
-    DELTV: Annotated[Length, Field(ge=0)] = 0.0  # corner vectors nearer to each other in both axes become one
-    INTERFER: bool = True  # cutter compensation looks whether the tool would run against the programmed direction,
-    ANGLAL: bool = True  # which is an error at once; false: vectors of the corners are left out until it does not
-    ANG_ACCU: bool = False  # angles of G68 count in 0.00001 degrees, false: in 0.001
+    deltv: Annotated[Length, Field(ge=0)] = 0.0  # corner vectors nearer to each other in both axes become one
+    interfer: bool = True  # cutter compensation looks whether the tool would run against the programmed direction,
+    anglal: bool = True  # which is an error at once; false: vectors of the corners are left out until it does not
+    ang_accu: bool = False  # angles of G68 count in 0.00001 degrees, false: in 0.001
+    retg73: Annotated[Length, Field(ge=0)] = 1.0  # G73: retraction between two cuts without E
+    cleg83: Annotated[Length, Field(ge=0)] = 1.0  # G83: clearance over the last depth without E
+    tapdwell: bool = False  # G74, G84: P is a dwell at the bottom
+    orient1: bool = False  # the spindle can be oriented: G76, G87 as back boring
+    wrprot1: Common | None = None  # first and
+    wrprot2: Common | None = None  # last of #500 to #599 that programs cannot write
+    g: Annotated[dict[int, GCodeNumber], AfterValidator(_callable_g)] = Field(default_factory=dict)  # program: code
+    m: Annotated[dict[int, int], AfterValidator(_callable_m)] = Field(default_factory=dict)
+    t9034: bool = False  # T calls O9034, its value in #199
+    s9033: bool = False  # S calls O9033, its value in #198
+    fgmac: bool = False  # such codes call also within programs that they have called
+    modgequ: bool = False  # modal G codes call in the place of each block, else behind each motion
+
+    @property
+    def protected(self) -> tuple[int, int]:
+        """First and last of the common variables that programs cannot write, (0, 0) for none."""
+        first, last = self.wrprot1 or self.wrprot2, self.wrprot2 or self.wrprot1
+        return (0, 0) if first is None or last is None else (first, last)

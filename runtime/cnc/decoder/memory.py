@@ -2,7 +2,7 @@
 
     survives the end and a reset                          begins anew
     ---------------------------------------------------   --------------------------------------------------------
-    V.S variables                                         V.P, V.L, V.CYC, @P
+    V.S variables; #100 to #199, #500 to #599             V.P, V.L, V.CYC, @P; #1 to #33
     P parameters with P-CHAN-00067, arrays too            P parameters otherwise
     macros (until #INIT MACRO TAB, manual line 26013)     file names of #FILE NAME (line 16103)
     tool table, factors of tool life                      selected tool, T
@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
+from runtime.cnc.decoder.common_variables import CommonVariables
 from runtime.cnc.decoder.setup import DecoderSetup, Pairs
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.language.isg.compiler import Parameters
@@ -82,6 +83,7 @@ class ChannelMemory:
         self.report = ReportCount()
         self.couplings: dict[int, Pairs] = dict(setup.couplings)  # group -> logical numbers of slaves and masters
         self.coupled: tuple[int, ...] = ()  # groups that are active, or were when the last program was over
+        self.common = CommonVariables(protected=setup.nct.protected)  # of the NCT dialect
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
         self.parameter_arrays: Scope | None = None

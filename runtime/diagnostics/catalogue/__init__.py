@@ -23,6 +23,7 @@ from runtime.diagnostics.catalogue import (
     machine,
     motion,
     nct,
+    nct_macros,
     nct_offsets,
     offsets,
     plc,
@@ -54,6 +55,7 @@ _AREAS: tuple[ModuleType, ...] = (
     recorder,
     nct,
     coordinates,
+    nct_macros,
 )
 
 

@@ -98,4 +98,3 @@ NO_PROGRAM = ErrorEntry(
     "3073 NOT EXISTING PROGRAM: O{number:04d} is neither in this file nor in: {folders}",
     remedy="a program has the file name O{number:04d}.nc, or stands in the file of its caller",
 )
-NO_CONTROL = ErrorEntry(321025, "{statement} is not supported yet", remedy="write the blocks one after the other")

@@ -20,7 +20,7 @@ INTERFERENCE = ErrorEntry(
     322202,
     "3048: the path of the tool of radius {radius:g} mm would run against the programmed direction",
     reaction=STOP,
-    remedy="use a smaller tool, widen the contour; the check is over-careful at narrow recesses (INTERFER, ANGLAL)",
+    remedy="use a smaller tool, widen the contour; the check is over-careful at narrow recesses (interfer, anglal)",
     source="NCT manual line 4161",
 )
 AFTER_ARC = ErrorEntry(

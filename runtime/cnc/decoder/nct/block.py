@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from runtime.cnc.blocks import Source, Stop, StopKind
+from runtime.cnc.blocks import Arc, Dwell, Line, Polyline, Polynomials, Source, SpatialArc, Stop, StopKind
 from runtime.cnc.decoder.modal import FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT
 from runtime.cnc.decoder.nct.execution import NctExecution
@@ -25,6 +25,7 @@ from runtime.diagnostics.catalogue import nct as catalogue
 
 STOPS = {0: StopKind.PROGRAMMED, 1: StopKind.OPTIONAL}
 NO_CYCLE, POLAR = 800, 160
+MOTIONS = (Line, Arc, SpatialArc, Polyline, Polynomials)
 _FUNCTION_ADDRESSES = ("G", "M", "S", "T")
 
 
@@ -68,7 +69,7 @@ class WordBlocks:
         """A straight move and nothing else; False if the block needs the long road after all."""
         x = self._x
         modal, coordinates = x.modal, x.coordinates
-        if x.hooks.before is not None or x.hooks.after is not None:
+        if x.macros.watches:
             return False
         if x.active.get(Group.CYCLE, NO_CYCLE) != NO_CYCLE or x.active.get(Group.POLAR) == POLAR:
             return False
@@ -112,10 +113,10 @@ class WordBlocks:
         if not block.constant:
             pairs = [(w, None if v is None else checked(w.address, v, w.column)) for w, v in pairs]
         words = x.words = BlockWords(pairs, x.axis_of)
-        calls = g_calls(words)
         self._begin(words)
-        if x.hooks.before is not None and x.hooks.before(block, words, calls):
+        if x.macros.before(words):
             return
+        calls = g_calls(words)
         codes = [G_CODES[call.tenths] for call in calls]
         if any(code.all_words for code in codes):
             words.take_all()
@@ -123,6 +124,9 @@ class WordBlocks:
                 G_CODES[call.tenths].handler(x, call)
             self._act()
             return
+        groups = {code.group for code in codes}
+        if Group.MOTION in groups and Group.CYCLE not in groups:
+            x.end_of_cycle()
         self._once(words)
         words.take(_FUNCTION_ADDRESSES)
         numbers = m_numbers(words)
@@ -145,31 +149,36 @@ class WordBlocks:
         words.take(mover.takes)
         self._expect_taken(words)
         x.compensation.follow(x)
-        functions = functions_of(x, words, numbers)
-        for before in functions.leading():
-            x.emit(before)
-        since = len(x.out) + x.collected
+        functions = x.block_functions = functions_of(x, words, numbers)
+        moves = not moves_by_code and not x.axes_taken and bool(x.axis_words or own)
+        within = moves and mover.functions_within
+        if not within:
+            for before in functions.leading():
+                x.emit(before)
+        since, collected = len(x.out), x.collected
         for call in moves_by_code:
             G_CODES[call.tenths].handler(x, call)
-        if not moves_by_code and not x.axes_taken and (x.axis_words or own):
+        if moves:
             assert mover.moves is not None
             mover.moves(x)
-        moved = len(x.out) + x.collected > since
-        x.stop_exactly(moved and not any(code.tenths == 40 for code in codes))
-        for behind in functions.trailing():
-            x.emit(behind)
+        moved = x.collected > collected or any(isinstance(out, MOTIONS) for out in x.out[since:])
+        dwelt = any(isinstance(out, Dwell) for out in x.out[since:])
+        x.stop_exactly(moved)
+        if not within:
+            for behind in functions.trailing():
+                x.emit(behind)
         for number, _ in numbers:
             if number in STOPS:
                 x.emit(Stop(x.source, STOPS[number]))
-        if moved:
+        if moved or dwelt:
             x.block_end()
         for number, column in numbers:
             if number in M_CODES:
                 M_CODES[number].handler(x, number, column)
         self._stage(calls, Stage.LAST)
         self._act()
-        if x.hooks.after is not None and x.stack:
-            x.hooks.after(moved)
+        if x.stack:
+            x.macros.after(moved)
 
     def _begin(self, words: BlockWords) -> None:
         """What belongs to the block in work alone."""

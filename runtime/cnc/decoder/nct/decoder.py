@@ -17,7 +17,6 @@ from runtime.cnc.decoder.motion import PLANES
 from runtime.cnc.decoder.nct import codes  # noqa: F401 - registers the dialect
 from runtime.cnc.decoder.nct.block import WordBlocks
 from runtime.cnc.decoder.nct.execution import NctExecution, OutOfStepError
-from runtime.cnc.decoder.nct.flow import execute_control
 from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.levels import Levels
 from runtime.cnc.decoder.nct.program import NctProgram
@@ -172,7 +171,7 @@ class NctDecoder:
                 return
             x.source = frame.shown or Source(frame.unit.name, block.source.line, number)
             since = len(x.out)
-            if block.control is not None and not execute_control(x, block):
+            if block.control is not None and not x.flow.execute(block):
                 return
             for assign in block.assigns[x.assigned :]:
                 assign()

@@ -2,7 +2,7 @@
 
 What handlers use of the shared part: `modal`, `coordinates`, `spindles`, `tools`, `compensation`, `memory`, `outside`, `setup`,
 `emit`, `warn`, `repeat` (execute the block in work once more later), `axis_value` and `length` (inch → mm). What they use of
-this one: `words`, `axes`, `levels`, `active`, `stack`, `hooks`.
+this one: `words`, `axes`, `levels`, `active`, `stack`, `variables`, `macros`, `cycle`.
 """
 
 from __future__ import annotations
@@ -12,25 +12,32 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from runtime.cnc.blocks import Floats, Source
+from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.execution import COMPILED_BLOCKS, Execution
 from runtime.cnc.decoder.library import Library as IsgLibrary
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.nct.coordinates import NumberedCoordinates
+from runtime.cnc.decoder.nct.cycle_data import CycleData
+from runtime.cnc.decoder.nct.flow import Flow
 from runtime.cnc.decoder.nct.frames import Frame
+from runtime.cnc.decoder.nct.macros import MacroCalls, UserCodes
 from runtime.cnc.decoder.nct.names import namespace
-from runtime.cnc.decoder.nct.registry import G_CODES, GCall, GCode, Group
+from runtime.cnc.decoder.nct.registry import G_CODES, GCall, GCode, Group, find_variable
 from runtime.cnc.decoder.nct.used_registers import UsedRegisters
+from runtime.cnc.decoder.nct.variables import Variables
 from runtime.cnc.decoder.nct.vector_selection import VectorSelection
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.setup import DecoderSetup
-from runtime.cnc.language.errors import LineError, ProgramError
+from runtime.cnc.language.errors import CalculationError, LineError, ProgramError
 from runtime.cnc.language.nct.addresses import COORDINATES
 from runtime.cnc.language.nct.compiler import CompiledBlock, compile_block
+from runtime.cnc.language.nct.functions import Value
 from runtime.cnc.language.nct.parser import block_parser
 from runtime.cnc.language.nct.program_file import BlockText, Unit
 from runtime.cnc.tools.offset_table import OffsetTableError
 from runtime.diagnostics.catalogue import nct as catalogue
+from runtime.diagnostics.catalogue import nct_macros as macros
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
 if TYPE_CHECKING:
@@ -38,22 +45,20 @@ if TYPE_CHECKING:
     from runtime.cnc.decoder.nct.library import Library
 
 NOTHING = BlockWords((), {})
+NO_CYCLE, TO_INITIAL = 800, 980  # G80, G98
+
+
+@dataclass(slots=True)
+class Suppressed:
+    """What #3004 has taken away: the operator's stop and override, the exact stops of the program."""
+
+    feed_stop: bool = False
+    override: bool = False
+    exact_stop: bool = False
 
 
 class OutOfStepError(Exception):
     """A block reads something of the interpolator: the path has to come to this block first, then it is executed anew."""
-
-
-@dataclass(slots=True)
-class Hooks:
-    """What is called around blocks, by whoever has put something in.
-
-    `before(block, words, calls)` before anything of a block of words is done: True if the block is done with that (G66.1).
-    `after(moved)` behind each block of words, `moved` if it had a motion (G66).
-    """
-
-    before: Callable[[CompiledBlock, BlockWords, list[GCall]], bool] | None = None
-    after: Callable[[bool], None] | None = None
 
 
 class NctExecution(Execution):
@@ -78,7 +83,12 @@ class NctExecution(Execution):
         self.words: BlockWords = NOTHING  # of the block in work
         self.work: CompiledBlock | None = None  # the block in work
         self.active: dict[Group, int] = {}  # tenths of the code of each modal group that holds
-        self.hooks = Hooks()
+        self.cycle = CycleData()
+        self.block_functions = Functions(self.source)  # M, S and T of the block in work
+        self.suppressed = Suppressed()
+        self.macros = MacroCalls(self, UserCodes.of(setup.nct))
+        self.flow = Flow(self)
+        self.variables = Variables(memory.common, lambda: self.stack[-1].locals, self.read_system, self.write_system)
         self.in_step = False  # the path has come to the block in work
         self.sequence_number = 0  # the last N word
         self.assigned = 0  # assignments of the block in work that are done
@@ -114,6 +124,33 @@ class NctExecution(Execution):
         """Before something of the interpolator is read."""
         if not self.in_step:
             raise OutOfStepError
+
+    def end_of_cycle(self) -> None:
+        """G80, or a path condition: what the drilling cycles have stored is deleted, and G98 holds again."""
+        if self.cycle.mode:
+            self.active[Group.CYCLE] = NO_CYCLE
+            self.active[Group.RETURN_LEVEL] = TO_INITIAL
+            self.cycle.clear()
+
+    # ------------------------------------------------------------------ system variables
+
+    def read_system(self, number: int) -> Value:
+        """A system variable by its number. CalculationError if there is none, or none that can be read."""
+        found = find_variable(number)
+        if found is None or found.read is None:
+            entry = macros.VARIABLE_UNKNOWN if found is None else macros.VARIABLE_WRITE_ONLY
+            raise CalculationError(entry, f"#{number}", number=number)
+        if found.in_step:
+            self.expect_in_step()
+        return found.read(self, number)
+
+    def write_system(self, number: int, value: Value) -> None:
+        """Give a system variable a value. CalculationError if there is none, or none that can be written."""
+        found = find_variable(number)
+        if found is None or found.write is None:
+            entry = macros.VARIABLE_UNKNOWN if found is None else macros.VARIABLE_READ_ONLY
+            raise CalculationError(entry, f"#{number}", number=number)
+        found.write(self, number, value)
 
     # ------------------------------------------------------------------ compiled blocks
 

@@ -7,6 +7,7 @@ from enum import Enum, auto
 from typing import Any
 
 from runtime.cnc.blocks import Source
+from runtime.cnc.decoder.nct.variables import Locals, no_locals
 from runtime.cnc.language.nct.program_file import BlockText, Section, Unit
 
 
@@ -23,7 +24,9 @@ class Frame:
     """One program level. `offset` and `line` are those of its next block, `work` is the block in work.
 
     `passes` is how often its program runs in all, `done` how often it has come to its end. `loops` are the running loops, the
-    innermost last, in a form of the control flow's own; `locals` its local variables, of the level that has some.
+    innermost last, in a form of the control flow's own. `locals`: its local variables, those of the caller in a subprogram; in
+    a macro they begin as `arguments` in each pass. `modal_calls`: the macros that its blocks call (see `macros`).
+    `called_by`: the code that has called it, if it is one that the machine has chosen for that.
     """
 
     unit: Unit
@@ -35,7 +38,10 @@ class Frame:
     done: int = 0
     work: BlockText | None = None
     loops: list[Any] = field(default_factory=list)
-    locals: Any = None
+    locals: Locals = field(default_factory=no_locals)
+    arguments: Locals | None = None
+    modal_calls: list[Any] = field(default_factory=list)
+    called_by: str = ""
     shown: Source | None = None  # the call that stands for all blocks of the level
 
     @property

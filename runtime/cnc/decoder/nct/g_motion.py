@@ -55,12 +55,17 @@ def dwell(x: NctExecution, call: GCall) -> None:
         raise LineError(catalogue.FAULTY_P, x.words.place("P"))
     if x.axis_words:
         raise LineError(catalogue.WORD_WITHOUT_MEANING, x.words.place(x.words.left[0].address), address="an axis word")
+    dwell_here(x, value, x.words.place("P"))
+
+
+def dwell_here(x: NctExecution, value: float, column: int) -> None:
+    """A dwell as P says it: seconds, with G95 revolutions of the spindle."""
     if x.modal.feed_mode is not FeedMode.PER_REVOLUTION:
-        dwell_time(x, value, x.words.place("P"))
+        dwell_time(x, value, column)
         return
     if x.modal.speed <= 0:
-        raise LineError(language.DWELL_SPEED, x.words.place("P"))
-    dwell_time(x, value / x.modal.speed * 60.0, x.words.place("P"))
+        raise LineError(language.DWELL_SPEED, column)
+    dwell_time(x, value / x.modal.speed * 60.0, column)
 
 
 @word(

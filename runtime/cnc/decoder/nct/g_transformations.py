@@ -48,7 +48,7 @@ def turn(x: NctExecution, call: GCall) -> None:
     if before is not None and (x.modal.incremental or x.words.incremental("R")):
         angle += before.angle
     first, second = (words.get(axis, c.numbers[axis]) for axis in plane)
-    decimals = 5 if x.setup.nct.ANG_ACCU else 3
+    decimals = 5 if x.setup.nct.ang_accu else 3
     c.transformations.switch_on(Turned(plane, round(angle, decimals), (first, second)))
     _switched(x, on=True)
 

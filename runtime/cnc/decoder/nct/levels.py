@@ -34,7 +34,9 @@ class Levels:
         if level is Level.SUBPROGRAM and subprograms >= MOST_SUBPROGRAMS:
             raise LineError(catalogue.LEVEL_EXCESS, column, limit=MOST_SUBPROGRAMS)
         unit, section = self.find(number, column)
+        caller = x.level
         frame = Frame(unit, section, section.begin, section.line, level, passes)
+        frame.locals, frame.modal_calls = caller.locals, caller.modal_calls
         x.stack.append(frame)
         return frame
 
@@ -50,6 +52,8 @@ class Levels:
         frame.done += 1
         if frame.done < frame.passes:
             frame.begin()
+            if frame.arguments is not None:
+                frame.locals = list(frame.arguments)
             return
         if block_number is None:
             x.stack.pop()
@@ -59,10 +63,8 @@ class Levels:
 
     def jump(self, frame: Frame, number: int, column: int) -> None:
         """The level goes on at the block with a number: looked for behind the block in work first, then from the start."""
-        target = frame.unit.numbered(frame.section, number, frame.work)
-        if target is None:
-            raise LineError(catalogue.NO_BLOCK, column, number=number)
-        frame.go_to(target)
+        assert frame.work is not None
+        self._x.flow.go_to(frame, frame.work, number, column)
 
     def restart(self) -> None:
         """M99 in the main program: its first block comes next."""

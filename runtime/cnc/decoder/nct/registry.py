@@ -110,6 +110,7 @@ class GCode:
     moves: Mover | None
     all_words: bool  # it takes every word of the block: macro calls
     alone: bool  # nothing but what it takes may stand beside it
+    functions_within: bool  # its `moves` puts out the functions of the block (`x.block_functions`)
 
     @property
     def name(self) -> str:
@@ -157,6 +158,7 @@ def g_code(
     moves: Mover | None = None,
     all_words: bool = False,
     alone: bool = False,
+    functions_within: bool = False,
 ) -> Callable[[Handler], Handler]:
     """Register the decorated handler for a G code ("1", "84.2"); `spec` are the catalogue entries it belongs to."""
 
@@ -165,7 +167,18 @@ def g_code(
         if tenths in G_CODES:
             raise ValueError(f"G{number} is registered twice")
         G_CODES[tenths] = GCode(
-            tenths, group, spec, meaning, handler, stage, frozenset(takes), axes, moves, all_words, alone
+            tenths,
+            group,
+            spec,
+            meaning,
+            handler,
+            stage,
+            frozenset(takes),
+            axes,
+            moves,
+            all_words,
+            alone,
+            functions_within,
         )
         return handler
 

@@ -23,7 +23,7 @@ class VectorSelection(Compensation):
 
     def __init__(self, parameters: NctParameters) -> None:
         super().__init__()
-        self.settings = VectorSettings(parameters.DELTV, parameters.INTERFER, not parameters.ANGLAL)
+        self.settings = VectorSettings(parameters.deltv, parameters.interfer, not parameters.anglal)
         self.radius = 0.0
         self.direction: tuple[float, float] | None = None  # of the auxiliary line in the block in work, on the machine
         self._now: Told = (False, 0.0)

@@ -71,6 +71,13 @@ class BlockWords:
         found = self._first.get(address)
         return 1 if found is None else found[0].column
 
+    def drop(self, word: Word) -> None:
+        """The word is as if it was not there."""
+        self.all = [pair for pair in self.all if pair[0] is not word]
+        self._first = {}
+        for other, value in self.all:
+            self._first.setdefault(other.address, (other, value))
+
     def take(self, addresses: Iterable[str]) -> None:
         """These have done what they are there for."""
         self._taken.update(addresses)

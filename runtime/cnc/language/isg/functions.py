@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from runtime.cnc.language import angles
 from runtime.cnc.language.errors import CalculationError
 from runtime.cnc.language.isg.words import ValueKind
 from runtime.diagnostics.catalogue import language as catalogue
@@ -317,20 +318,15 @@ def round_half_up(x: float) -> int:
 
 # -- angles in degrees ---------------------------------------------------------------------------------------------
 
-# At multiples of 90° the values are exact: SIN[180] is 0 and not 1.2e-16, so that comparisons in programs hold.
-_SINE_OF_QUARTERS = (0.0, 1.0, 0.0, -1.0)
-
 
 @function("SIN", _TRIGONOMETRY)
 def sine(x: float) -> float:
-    quarters, rest = divmod(math.fmod(require_finite(x, "SIN"), 360.0), 90.0)
-    return _SINE_OF_QUARTERS[int(quarters) % 4] if rest == 0 else math.sin(math.radians(x))
+    return angles.sine(require_finite(x, "SIN"))
 
 
 @function("COS", _TRIGONOMETRY)
 def cosine(x: float) -> float:
-    quarters, rest = divmod(math.fmod(require_finite(x, "COS"), 360.0), 90.0)
-    return _SINE_OF_QUARTERS[(int(quarters) + 1) % 4] if rest == 0 else math.cos(math.radians(x))
+    return angles.cosine(require_finite(x, "COS"))
 
 
 @function("TAN", _TRIGONOMETRY)

@@ -20,6 +20,7 @@ from runtime.cnc.language.nct.words import Assignment, Control, ControlStatement
 from runtime.cnc.language.text import MAX_BLOCK
 from runtime.diagnostics.catalogue import language as files
 from runtime.diagnostics.catalogue import nct as catalogue
+from runtime.diagnostics.catalogue import nct_macros as macros
 from runtime.kernel_cache import CACHE
 
 GRAMMAR_TABLES = "nct-block.lark.tables"
@@ -164,6 +165,8 @@ class BlockParser:
             raise LineError(catalogue.BLOCK_NUMBER, head.start("number") + 1, number=head["number"])
         begin = head.end()
         parsed = self._numeric(blanked, begin) or self._by_grammar(blanked, begin)
+        if number < 0 and parsed.words and parsed.words[0].address == "N":
+            raise LineError(macros.NUMBER_FIRST, parsed.words[0].column)
         return ParsedBlock(parsed.words, parsed.assignments, parsed.control, number, skip, comment)
 
     def _numeric(self, text: str, begin: int) -> ParsedBlock | None:

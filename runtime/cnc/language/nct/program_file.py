@@ -99,20 +99,6 @@ class Unit:
             yield block
             block = self.block(block.following, block.line + 1)
 
-    def numbered(self, section: Section, number: int, after: BlockText | None = None) -> BlockText | None:
-        """The block with a number (N word at its beginning): looked for behind `after` first, then from the start of the
-        program on to there. None if it has none."""
-        if after is not None:
-            for block in self.blocks(after.following, after.line + 1):
-                if number_of(block.text) == number:
-                    return block
-        for block in self.blocks(section.begin, section.line):
-            if number_of(block.text) == number:
-                return block
-            if after is not None and block.offset >= after.offset:
-                break
-        return None
-
     # ------------------------------------------------------------------ programs
 
     @property

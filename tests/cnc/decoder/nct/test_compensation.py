@@ -341,9 +341,9 @@ def test_interference_is_told_a_block_before_it() -> None:
 
 @pytest.mark.spec("nct.trc.interference-check")
 def test_the_check_can_be_off_or_repair() -> None:
-    off = replace(SETUP, nct=NctParameters(INTERFER=False))
+    off = replace(SETUP, nct=NctParameters(interfer=False))
     assert tool_path(GROOVE, off).error is None
-    repair = replace(SETUP, nct=NctParameters(ANGLAL=False))
+    repair = replace(SETUP, nct=NctParameters(anglal=False))
     assert tool_path(GROOVE, repair).error is not None
     u = np.array([-1, 1]) / math.sqrt(2)
     corner, direction = np.array([40, 0]) + 2 * u, math.radians(135) - 2 * math.atan(1.6)
@@ -356,7 +356,7 @@ def test_the_check_can_be_off_or_repair() -> None:
 @pytest.mark.spec("nct.trc.small-vector-gap")
 def test_close_vectors_become_one() -> None:
     text = "G0 X-20\nG42 G1 X0 D1 F100\nX40\nX38 Y40\nG40 X36 Y80"
-    assert len(places(text)) == len(places(text, replace(SETUP, nct=NctParameters(DELTV=0.5)))) + 1
+    assert len(places(text)) == len(places(text, replace(SETUP, nct=NctParameters(deltv=0.5)))) + 1
 
 
 # ---------------------------------------------------------------------------------------------------- errors

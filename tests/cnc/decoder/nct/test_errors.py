@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from runtime.cnc.decoder.nct import flow
 from runtime.cnc.decoder.nct.registry import G_CODES, GCall
 from runtime.cnc.language.errors import LineError
 from runtime.diagnostics.catalogue import nct as C  # noqa: N812
@@ -59,6 +58,7 @@ CASES: list[tuple[str, ErrorEntry, int, int]] = [
     ("M6 M11 M3 M8 M20 M0\n", C.TOO_MANY_M, 1, 18),
     ("M98 P1000\n", C.LEVEL_EXCESS, 1, 5),
     ("G0 X1\nM99 P7\n", C.NO_BLOCK, 2, 5),
+    ("G0 X1\nGOTO 3\n", C.NO_BLOCK, 2, 1),
     ("M98\n", C.FAULTY_P, 1, 1),
     ("M98 P10000\n", C.FAULTY_P, 1, 5),
     ("G4 P-1\n", C.FAULTY_P, 1, 4),
@@ -91,11 +91,6 @@ def test_no_other_plane_while_the_radius_is_compensated() -> None:
     with pytest.raises(LineError) as caught:
         G_CODES[180].handler(x, GCall(180, 3))
     assert (caught.value.entry, caught.value.column) == (C.PLANE_COMPENSATED, 3)
-
-
-def test_a_control_statement_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(flow, "CONTROLS", {})
-    assert found("G0 X1\nGOTO 3\n") == (C.NO_CONTROL, 2, 1)
 
 
 def test_every_entry_of_the_catalogue_has_a_test() -> None:

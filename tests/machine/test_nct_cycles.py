@@ -1,0 +1,78 @@
+"""Drilling cycles of the NCT dialect on the machine: single block, and the operator's stop in a thread."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from runtime.config.machine import Machine
+from runtime.hli.layout import StopCondition
+from tests.machine.driven import Driven
+
+DRILL = "%O0001(DRILL)\nG90 G17 G0 X0 Y0 Z60\nG81 X10 Z45 R50 F3000\nX20\nG80\nM30\n"
+TAP = "%O0002(TAP)\nG90 G17 G0 X0 Y0 Z60\nS600 M3\nG99 G84 X10 Z20 R50 F900\nG80 X20\nM30\n"  # 1.5 mm
+
+
+def driven_by(machine: Machine, folder: Path) -> Driven:
+    return Driven(machine, folder, dialect="nct", plc=False)
+
+
+def z_of(driven: Driven) -> float:
+    """Z as the program counts it: G54 of the demo machine lies at -120."""
+    return float(driven.channel.interpolator.position[2]) - driven.machine.channels[0].zero_offsets["G54"]["Z"]
+
+
+@pytest.mark.spec("nct.cycle.interaction-rules")
+def test_single_block_stops_behind_operations_1_3_and_10(demo: Machine, tmp_path: Path) -> None:
+    driven = driven_by(demo, tmp_path)
+    driven.operator.single_block_w = True
+    driven.start(DRILL)
+    places: list[tuple[float, float]] = []
+    for _ in range(40_000):
+        driven.watch(1)
+        if not driven.channel.active:
+            break
+        if driven.channel.stop_condition & StopCondition.SINGLE_BLOCK:
+            x = float(driven.channel.interpolator.position[0]) - driven.machine.channels[0].zero_offsets["G54"]["X"]
+            places.append((round(x, 3), round(z_of(driven), 3)))
+            driven.operator.continue_motion_rw = True
+            driven.watch(1)
+    hole = [(10.0, 60.0), (10.0, 50.0), (10.0, 60.0)]
+    assert places == [(0.0, 60.0), *hole, *((x + 10.0, z) for x, z in hole)]
+    assert driven.alarms == []
+
+
+@pytest.mark.spec("nct.cycle.tapping-g84")
+def test_a_stop_in_the_thread_waits_for_point_r(demo: Machine, tmp_path: Path) -> None:
+    driven = driven_by(demo, tmp_path)
+    driven.start(TAP)
+    driven.until(lambda: driven.channel.interpolator.line == 4 and z_of(driven) < 45.0)
+    driven.operator.feedhold_w = True
+    driven.operator.override_w = 500
+    lowest = z_of(driven)
+    speeds = []
+    while not driven.channel.held:
+        driven.watch(1)
+        lowest = min(lowest, z_of(driven))
+        speeds.append(driven.channel.interpolator.path_velocity)
+    assert lowest == pytest.approx(20.0, abs=1e-6)
+    assert max(speeds) == pytest.approx(15.0, rel=1e-3)  # 900 mm/min, whatever the override says
+    assert z_of(driven) == pytest.approx(50.0, abs=1e-6)
+    driven.operator.feedhold_w = False
+    driven.until_done()
+    assert driven.alarms == []
+
+
+@pytest.mark.spec("nct.cycle.tapping-g84")
+def test_a_stop_before_the_thread_keeps_the_tool_out(demo: Machine, tmp_path: Path) -> None:
+    driven = driven_by(demo, tmp_path)
+    driven.start(TAP)
+    driven.until(lambda: driven.channel.interpolator.line == 4 and 50.0 < z_of(driven) < 52.0)
+    driven.operator.feedhold_w = True
+    driven.watch(1000)
+    assert driven.channel.held
+    assert z_of(driven) >= 50.0 - 1e-6
+    driven.operator.feedhold_w = False
+    driven.until_done()
+    assert driven.alarms == []
