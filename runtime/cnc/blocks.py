@@ -880,6 +880,7 @@ class UserError:
     values: tuple[float | str, ...] = ()
     meanings: tuple[int, ...] = ()
     further: tuple[float, ...] = ()
+    text: str = ""  # what is told, if the program gives the whole of it
 
 
 MANUAL_SHARE = 0.3  # of an axis' velocity, acceleration and jerk that is left to the hand beside the path (G201)

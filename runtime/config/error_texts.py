@@ -45,6 +45,8 @@ class _UserError(Protocol):
     def meanings(self) -> tuple[int, ...]: ...
     @property
     def further(self) -> tuple[float, ...]: ...
+    @property
+    def text(self) -> str: ...
 
 
 class _Described(Protocol):
@@ -88,6 +90,8 @@ class ErrorTexts:
 
     def describe(self, error: _UserError) -> str:
         """`user error 455/10: part is not in its place; current value 5, error value 4.999`."""
+        if error.text:
+            return error.text
         name = f"user error {error.number}" + (f"/{error.multiple}" if error.multiple else "")
         text = self._texts.get(error.number, "")
         told = [f"{name}: {text}" if text else name, ", ".join(_values(error))]

@@ -84,6 +84,7 @@ class ChannelMemory:
         self.couplings: dict[int, Pairs] = dict(setup.couplings)  # group -> logical numbers of slaves and masters
         self.coupled: tuple[int, ...] = ()  # groups that are active, or were when the last program was over
         self.common = CommonVariables(protected=setup.nct.protected)  # of the NCT dialect
+        self.timer_begin = 0.0  # ms of the runtime at which #3001 would be 0
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
         self.parameter_arrays: Scope | None = None

@@ -149,7 +149,7 @@ class PumpState(Enum):
 
 def described(error: UserError) -> str:
     """The text of a #ERROR where no texts are known."""
-    return f"user error {error.number}"
+    return error.text or f"user error {error.number}"
 
 
 def _with_text(block: Block) -> bool:

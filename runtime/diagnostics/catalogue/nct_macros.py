@@ -173,3 +173,14 @@ BACK_BORING_LEVELS = ErrorEntry(
 CYCLE_COMPENSATED = ErrorEntry(324059, "no drilling cycle while cutter compensation is on", remedy="program G40 before")
 TWO_DRILLING_AXES = ErrorEntry(324060, "{first} and {second} both drill in this plane", remedy="program one of them")
 NO_DRILLING_AXIS = ErrorEntry(324061, "the channel has no axis {axis} to drill with in this plane")
+
+# -- system variables ----------------------------------------------------------------------------------------------
+
+VALUE_REFUSED = ErrorEntry(324070, "#{number} cannot take the value {value}", remedy="it takes {allowed}")
+VARIABLE_REFUSED = ErrorEntry(324071, "#{number} is not available: {reason}", remedy="write the program without it")
+TEXT_TOO_LONG = ErrorEntry(
+    324072,
+    "the text of #{number} is longer than {limit} characters",
+    remedy="shorten it",
+    source="NCT programmer's manual line 6936",
+)

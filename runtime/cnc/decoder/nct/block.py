@@ -25,6 +25,7 @@ from runtime.diagnostics.catalogue import nct as catalogue
 
 STOPS = {0: StopKind.PROGRAMMED, 1: StopKind.OPTIONAL}
 NO_CYCLE, POLAR = 800, 160
+NOTED = "ABCDEHMST"  # addresses whose last value programs can read (#4101 to #4120)
 MOTIONS = (Line, Arc, SpatialArc, Polyline, Polynomials)
 _FUNCTION_ADDRESSES = ("G", "M", "S", "T")
 
@@ -113,6 +114,10 @@ class WordBlocks:
         if not block.constant:
             pairs = [(w, None if v is None else checked(w.address, v, w.column)) for w, v in pairs]
         words = x.words = BlockWords(pairs, x.axis_of)
+        noted: dict[str, float] = {}
+        for word, spoken in words.all:
+            if word.address in NOTED and spoken is not None:
+                noted.setdefault(word.address, spoken)
         self._begin(words)
         if x.macros.before(words):
             return
@@ -177,6 +182,7 @@ class WordBlocks:
                 M_CODES[number].handler(x, number, column)
         self._stage(calls, Stage.LAST)
         self._act()
+        x.last_words.update(noted)
         if x.stack:
             x.macros.after(moved)
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from runtime.cnc.decoder.nct.execution import NctExecution
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +41,8 @@ class CycleData:
         self.r = self.z = None
         self.cut = self.lift = self.dwell = None
         self.shift = {}
+
+
+def tool_length(x: NctExecution, axis: int) -> float:
+    """The length compensation of an axis, mm."""
+    return x.coordinates.offsets.tool[axis]

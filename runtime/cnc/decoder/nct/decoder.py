@@ -164,6 +164,8 @@ class NctDecoder:
         x = self._x
         x.work = block
         number = None if block.number < 0 else block.number
+        if x.again is None and not x.in_step:
+            x.number_before = x.sequence_number
         if number is not None:
             x.sequence_number = number
         try:

@@ -91,6 +91,8 @@ class NctExecution(Execution):
         self.variables = Variables(memory.common, lambda: self.stack[-1].locals, self.read_system, self.write_system)
         self.in_step = False  # the path has come to the block in work
         self.sequence_number = 0  # the last N word
+        self.number_before = 0  # that of the block before
+        self.last_words: dict[str, float] = {}  # values of the modal words, as programmed
         self.assigned = 0  # assignments of the block in work that are done
         self.actions: list[Callable[[], None]] = []  # of the block in work, when everything else is done
         self.namespace: dict[str, Any] = namespace(self)
@@ -124,6 +126,15 @@ class NctExecution(Execution):
         """Before something of the interpolator is read."""
         if not self.in_step:
             raise OutOfStepError
+
+    def group_of(self, tenths: int) -> int:
+        """The number of the group of a G code, 0 if it is not modal or not known."""
+        code = G_CODES.get(tenths)
+        return 0 if code is None else code.group.value
+
+    def stop_exactly(self, motion: bool) -> None:
+        if not self.suppressed.exact_stop:
+            super().stop_exactly(motion)
 
     def end_of_cycle(self) -> None:
         """G80, or a path condition: what the drilling cycles have stored is deleted, and G98 holds again."""

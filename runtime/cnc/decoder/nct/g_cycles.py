@@ -15,7 +15,7 @@ from runtime.cnc.decoder.feed import require_feed
 from runtime.cnc.decoder.modal import Motion, Plane
 from runtime.cnc.decoder.motion import expect_in_range, straight, target
 from runtime.cnc.decoder.nct import drilling
-from runtime.cnc.decoder.nct.cycle_data import Level
+from runtime.cnc.decoder.nct.cycle_data import Level, tool_length
 from runtime.cnc.decoder.nct.drilling import (
     Approach,
     Cycle,
@@ -124,11 +124,6 @@ def _drilling_axis(x: NctExecution, column: int) -> int:
         data.axis = axis
         data.initial = x.coordinates.position[axis] - tool_length(x, axis)
     return axis
-
-
-def tool_length(x: NctExecution, axis: int) -> float:
-    """The length compensation of an axis, mm."""
-    return x.coordinates.offsets.tool[axis]
 
 
 def _store(x: NctExecution, axis: int, column: int) -> None:

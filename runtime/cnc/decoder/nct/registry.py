@@ -282,7 +282,9 @@ def system_variable(
     return register
 
 
-def writes(first: int, last: int | None = None, *spec: str, meaning: str = "") -> Callable[[Writer], Writer]:
+def writes(
+    first: int, last: int | None = None, *, spec: tuple[str, ...] = (), meaning: str = ""
+) -> Callable[[Writer], Writer]:
     """Register the decorated writer: of variables that have a reader already, or of some that can only be written."""
 
     def register(write: Writer) -> Writer:

@@ -29,6 +29,7 @@ _HEAD = re.compile(r"[ \t]*(?:(?P<skip>/)[ \t]*(?P<switch>\d?)[ \t]*)?(?:N[ \t]*
 _WORD = r"(,[ \t]*[CRA]|[A-Z])[ \t]*(I[ \t]*)?([+-]?(?:\d+(?:\.\d*)?|\.\d+))[ \t]*"
 _WORDS = re.compile(_WORD)
 _NUMERIC = re.compile(rf"[ \t]*(?:{_WORD})*")
+_MESSAGE = re.compile(r"#[ \t]*300[06][ \t]*=[ \t]*$")  # a text without a number: it is 0 (lines 6938, 7016)
 _OUTPUT = re.compile(r"POPEN|PCLOS|BPRNT|DPRNT")
 
 
@@ -164,6 +165,8 @@ class BlockParser:
         if head["number"] and not 1 <= number <= MOST_BLOCK_NUMBER:
             raise LineError(catalogue.BLOCK_NUMBER, head.start("number") + 1, number=head["number"])
         begin = head.end()
+        if _MESSAGE.search(blanked) is not None:
+            blanked = blanked.rstrip() + "0"
         parsed = self._numeric(blanked, begin) or self._by_grammar(blanked, begin)
         if number < 0 and parsed.words and parsed.words[0].address == "N":
             raise LineError(macros.NUMBER_FIRST, parsed.words[0].column)

