@@ -700,8 +700,8 @@ def test_directions_and_points_of_curves_are_those_of_the_system() -> None:
     run = decode("#CS ON [1,0,0,0,0,90]\n#AKIMA STARTVECTOR X1 Y0 Z0\n#CONTOUR MODE [POS X1 Y2 Z3]\nM30")
     assert run.problem is None
     x = run.decoder.execution
-    np.testing.assert_allclose(x.smoothing.akima.start_vector, [0, 1, 0], atol=1e-12)
-    np.testing.assert_allclose(x.smoothing.contouring.point, [-1, 1, 3], atol=1e-12)
+    assert x.smoothing.akima.start_vector == pytest.approx((0, 1, 0), abs=1e-12)
+    assert x.smoothing.contouring.point == pytest.approx((-1, 1, 3), abs=1e-12)
 
 
 def test_a_tool_that_moves_the_axes_at_once_moves_those_of_the_machine() -> None:

@@ -180,6 +180,8 @@ def test_the_channel_chooses_the_axes_by_their_bits() -> None:
     )
     channel = machine.channels[0].model_copy(update={"parameters": parameters})
     limits = SoftwareLimits.of(machine.model_copy(update={"axes": tuple(axes), "channels": (channel,)}))
-    start = np.array([0.0, axes[1].position_max + 0.2, 0.0])
+    upper = axes[1].position_max
+    assert upper is not None
+    start = np.array([0.0, upper + 0.2, 0.0])
     end = start + np.array([9e3, 0.0, 9e3])
     assert len(list(limits([Line(Source("p", 1), start, end, 1.0, False, end)]))) == 2
