@@ -730,6 +730,63 @@ class SpindleSetting:
 
 
 @dataclass(frozen=True, slots=True)
+class RevolutionFeed:
+    """G95: the feeds from here on were made with `speed` (rev/min) of a spindle, and follow what it really turns with; 0: they
+    are what they are. Rapid moves are not concerned."""
+
+    source: Source
+    spindle: int = -1
+    speed: float = 0.0
+
+
+class SpindleRole(IntEnum):
+    """How a section of the path and a spindle move together."""
+
+    FREE = 0
+    THREAD = 1  # G33: the path follows the angle of the spindle
+    TAPPING = 2  # G63, G331, G332: the spindle follows the path
+
+
+@dataclass(frozen=True, slots=True)
+class SpindleSection:
+    """A section begins, or with FREE ends, in which path and spindle move together; the path stands at both.
+
+    `angle`: of a thread, where the spindle is when the path would begin if it needed no way to become so fast, degrees.
+    `measured`: the path follows what is measured of the spindle and not what it is told, over so many `cycles` in the mean.
+    `steady`: its override stays as it is in the section.
+    """
+
+    source: Source
+    role: SpindleRole
+    spindle: int
+    angle: float = 0.0
+    measured: bool = False
+    cycles: int = 0
+    steady: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SpindleTurn:
+    """In a section: the spindle turns by so many degrees per mm of path from here on; of a thread without sign."""
+
+    source: Source
+    per_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class CuttingSpeed:
+    """G96: from here on the spindle turns as fast as `velocity` (mm/min) asks for at the distance of an axis from `centre`
+    (machine coordinate, mm), at most with `limit` (rev/min, 0: what it can); a velocity of 0: as it turns now."""
+
+    source: Source
+    spindle: int
+    velocity: float = 0.0
+    axis: int = 0
+    centre: float = 0.0
+    limit: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class AxisJob:
     """A PLCopen job of an axis outside the path, handed over when the path is here; `axis` counts among those of the machine.
 
@@ -1101,6 +1158,10 @@ Block = (
     | Message
     | TimerAction
     | SpindleSetting
+    | RevolutionFeed
+    | SpindleSection
+    | SpindleTurn
+    | CuttingSpeed
     | FeedForward
     | Suppression
     | AxisJob

@@ -21,9 +21,10 @@ import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.actual_limits import ActualLimits
+from runtime.cnc.axes.cutting_speed import CuttingSpeeds
 from runtime.cnc.axes.feed_forward import FeedForwardShares
 from runtime.cnc.axes.program_jobs import ProgramJobs
-from runtime.cnc.axes.spindle import Spindle
+from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
 from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops, Way
 from runtime.cnc.beside_path import ACTIONS, BesidePath
 from runtime.cnc.block_search import BlockSearching
@@ -38,6 +39,7 @@ from runtime.cnc.preparation_link import PreparationLink, PreparationState, Star
 from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.cnc.stop_before import StopBefore
 from runtime.cnc.suppression import Suppression
+from runtime.cnc.synchronous_spindle import SynchronousSpindle
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings, Travel
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
@@ -66,6 +68,7 @@ _PROGRAM_WAITS = int(StopCondition.PROGRAM_WAITS)
 _DELETE_DISTANCE = int(StopCondition.DELETE_DISTANCE)
 _TURNING = int(StopCondition.TURNING)
 _BACKWARD_END = int(StopCondition.BACKWARD_END)
+_WAIT_SPINDLE = int(StopCondition.WAIT_SPINDLE)
 _WAYS = {
     Way.ONWARD: int(PathWay.ONWARD),
     Way.TURNING: int(PathWay.TURNING),
@@ -131,6 +134,8 @@ class Channel:
         self._block_ends = queue.records["block_end"]
         self._no_override = queue.records["override_off"]  # a view: making one takes its time
         self._rapid = queue.records["rapid"]
+        self.together = SynchronousSpindle(interpolator, queue, spindles, period, self.problems.append)
+        self.cutting_speed = CuttingSpeeds(interpolator, spindles)
         self.interpolator = interpolator
         self.link = link
         self.functions = TechnologyFunctions(
@@ -156,6 +161,7 @@ class Channel:
             self.search,
             self.backward,
             stop_before,
+            self.together,
             axes,
             window,
             period,
@@ -197,6 +203,7 @@ class Channel:
         self.block_counter = 0
         self.actions.begin()
         self.queue.discard_all()
+        self.cutting_speed.end()
         self.beside.begin()
         self.jobs.begin()
         self.actual_limits.begin()
@@ -260,6 +267,8 @@ class Channel:
         if not self._came_to_end:
             self.jobs.stop()
         self.search.end(reached=self._came_to_end)
+        self.together.drop()
+        self.cutting_speed.end()
         self._distance.end()
         self.suppression.begin()
         self.gates.end()
@@ -335,18 +344,18 @@ class Channel:
             return
         self.functions.put_out_late()
         stop = _NONE
-        backward = self.backward
+        backward, together = self.backward, self.together
         if self.suppression.held(inputs.feed_hold, backward.replaying):
             stop |= _FEED_HOLD
         if self.phase is Phase.RUNNING:
-            backward.step(inputs.backward, inputs.simulate_motion, inputs.simulate_mask)
+            backward.step(inputs.backward and not together.active, inputs.simulate_motion, inputs.simulate_mask)
             if backward.changed:
                 self.gates.look_again()
         if backward.holds:
             stop |= _TURNING
         again = backward.replaying
         self.functions.travel = self._travel() if again or inputs.simulate_motion else Travel.FORWARD
-        if inputs.delete_distance and self.phase is Phase.RUNNING and not again:
+        if inputs.delete_distance and self.phase is Phase.RUNNING and not again and not together.active:
             self._delete_distance.order()
             if self._distance.active:
                 self._warn_of_distance(machine.DISTANCE_WRONG)
@@ -377,6 +386,13 @@ class Channel:
         held = stop & ~_OVERRIDE_ZERO != 0
         path = self.interpolator
         single = inputs.single_block or before.stop_at_block_ends
+        together.barred = held or stands
+        if together.cutting:  # nobody but the spindle, and what keeps the axes from moving, has a say
+            override = rapid_override = 1.0
+            external_feed = together.wanted()
+            held, stands, single = stop & _AXIS_NOT_READY != 0, False, False
+        for k, spindle in enumerate(self.spindles):
+            path.turns(k, abs(spindle.set_point) / DEGREES_PER_SECOND)
         path.step(
             override=override,
             rapid_override=rapid_override,
@@ -395,6 +411,10 @@ class Channel:
         if (problem := self.actual_limits.step(actual, self._axes)) is not None:
             self.problems.append(problem)
         passed = path.passed
+        if together.tapping:
+            together.lead(passed)
+        if self.cutting_speed.active:
+            self.cutting_speed.step()
         if again:
             self._pass_again(passed)
         else:
@@ -412,6 +432,8 @@ class Channel:
                 self._trace_blocks(passed)
         elif backward.at_begin:
             stop |= _BACKWARD_END
+        if path.standstill and self._waits_to_turn():
+            stop |= _WAIT_SPINDLE
         gate = path.gate
         running = self.phase is Phase.RUNNING
         stop |= self.gates.step(inputs, pressed=pressed, running=running, locked=self.locked, actual=actual)
@@ -433,6 +455,15 @@ class Channel:
             kind = EventKind.STOP if standing else EventKind.GO
             self._event(kind, path.line, self._n, number=stop)
             self.stop_condition = stop
+
+    def _waits_to_turn(self) -> bool:
+        """The path stands in front of, or on, an element with a feed per revolution of a spindle that stands."""
+        path = self.interpolator
+        here = path.next_index
+        if here >= path.queue.written or path.queue.kind(here) > _LAST_MOTION:
+            return False
+        record = path.queue.record(here)
+        return record["external"] < 0.0 and self.spindles[int(record["spindle"])].set_point == 0.0
 
     def _travel(self) -> Travel:
         """How functions count where the path is driven again, or in simulated motion."""
@@ -534,6 +565,8 @@ class Channel:
                 self.actual_limits.act(record)
             elif record.action is ActionKind.SPINDLE:
                 self.functions.set_spindle(record)
+            elif record.action is ActionKind.CUTTING_SPEED:
+                self.cutting_speed.order(record)
             elif record.action is ActionKind.FEED_FORWARD:
                 self.feed_forward.order(self.queue.record(index)["end"][: len(self._axes)])
             elif record.action is ActionKind.SUPPRESSION:

@@ -29,6 +29,7 @@ from runtime.cnc.preparation_link import PreparationLink
 from runtime.cnc.queue_record import QueueRecord, read_record
 from runtime.cnc.skipped_section import SkippedSection
 from runtime.cnc.stop_before import StopBefore
+from runtime.cnc.synchronous_spindle import SynchronousSpindle
 from runtime.cnc.technology import TechnologyFunctions
 from runtime.diagnostics.catalogue import machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem
@@ -85,6 +86,7 @@ class Surroundings:
     search: BlockSearching
     backward: BackwardMotion
     stop_before: StopBefore
+    together: SynchronousSpindle
     axes: npt.NDArray[np.int64]
     window: Floats
     period: float
@@ -127,6 +129,9 @@ class Gates:
             GateReason.PROGRAM_END: self._program_end,
             GateReason.STEP: self._end_of_step,
             GateReason.STOP_MARK: self._stop_mark,
+            GateReason.THREAD: self._spindle_begins,
+            GateReason.TAPPING: self._spindle_begins,
+            GateReason.SPINDLE_FREE: self._spindle_ends,
         }
         standing |= dict.fromkeys(BESIDE_GATES, self._beside_path) | dict.fromkeys(SEARCH_GATES, self._search)
         self._standing = standing
@@ -321,6 +326,22 @@ class Gates:
             path.change_filter(halves.astype(np.int64).tolist(), gate.value, gate.seconds, gate.lead)
             return self._open(gate)
         return _NONE
+
+    def _spindle_begins(self, gate: QueueRecord) -> int:
+        """Path and spindle move together from here on: it stands, or it is at its speed and comes to its angle."""
+        path = self._path
+        ready = self._running and path.standstill and path.all_told
+        if ready and not self._on_their_way() and self._around.together.begin(path.gate, gate):
+            return self._open(gate)
+        return _WAIT_SPINDLE
+
+    def _spindle_ends(self, gate: QueueRecord) -> int:
+        """Path and spindle are free again; nobody drives back over what they did together."""
+        path = self._path
+        if self._running and path.standstill and path.all_told and self._around.together.end():
+            self._around.backward.clear()
+            return self._open(gate)
+        return _WAIT_SPINDLE
 
     def _axis_jobs(self, gate: QueueRecord) -> int:
         """Jobs of axes outside the path are done, or the program ends here."""

@@ -22,6 +22,8 @@ are the same in one box per element. `a_entry` is what the path acceleration may
 What the program itself limits along the path (`path_v`, `path_a`, `path_d`, `path_j`: #VECTOR LIMIT, programmed override
 of rapid moves; 0: nothing) holds beside it; the box has it already. `unwatched`: what does not limit the path on this
 element although the axes would (G115, G116): bits of `dynamic_settings.LookAhead`.
+Where path and spindle move together (G33, G63), `sense` of an element is how (`blocks.SpindleRole`), `spindle` which one, `value`
+by how many degrees it turns per mm, and `spindle_angle` how far it has turned in its section where the element begins.
 The coefficients of a polynomial lie in a second array, in the slot of its record. It is written for polynomials only, so
 that lines cost nothing more.
 
@@ -94,6 +96,9 @@ class GateReason(IntEnum):
     SEARCH_END = 31
     SEARCH_RETURN = 32
     SEARCH_GO_ON = 33
+    THREAD = 34  # G33: the spindle is at speed and at its angle; what lies behind is not driven backward
+    TAPPING = 35  # G63, G331, G332: the spindle stands, and follows the path from here on
+    SPINDLE_FREE = 36  # the end of both
 
 
 @unique
@@ -119,6 +124,7 @@ class ActionKind(IntEnum):
     ACTUAL_LIMIT = 16  # POS_LIMIT with ERROR_LR or WARNING
     FEED_FORWARD = 17  # G135…G137: `end` are the shares of the axes
     SUPPRESSION = 18  # of feed hold and override
+    CUTTING_SPEED = 19  # G96
 
 
 RECORD = np.dtype(
@@ -184,7 +190,9 @@ RECORD = np.dtype(
         ("path_a", "f8"),
         ("path_d", "f8"),
         ("path_j", "f8"),
-        ("external", "f8"),  # weight of a feed that the PLC commands, 0: it does not act here
+        # weight of a feed that the PLC commands, 0: it does not act here; below 0: the feed is per revolution (G95), made with
+        # so many rev/min of the `spindle`
+        ("external", "f8"),
         ("f_word", "f8"),  # the feed as programmed, per s, where `feed` is less than that; else 0
         ("unwatched", "i8"),
         ("brake_late", "i8"),  # 1: a lower feed than that of the element before is reached behind the border (G901)

@@ -35,6 +35,10 @@ class QueueRecord(NamedTuple):
     - the gate that waits for own motions: the axes as bits; `offset` 1: until they are in their windows;
     - limits of an actual position: the axis, and the lower one; `seconds` the upper one, `offset` 1: the path stops;
     - what of the operator has no effect: 1 feed hold, 2 override;
+    - the gates of threads and tapping: `mask` the spindle, `value` its angle at the begin; `number` 1: it is measured, over
+      `size` cycles; `offset` 1: its override stays;
+    - a cutting speed: mm/min as `value`, the spindle, the axis as `number`, its centre (mm) as `lead`, and the limit (rev/min) as
+      `seconds`;
     - a parameter of manual mode: the axis, and the first value; `offset` its kind (position in `ManualValue`), `size` its stage,
       `seconds` the second value.
     """

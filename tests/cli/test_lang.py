@@ -56,6 +56,7 @@ EXAMPLES = {  # of each word, behind a block with a feed
     "E": "G01 X1 E50",
     "S": "S1000 M3",
     "S.POS": "M19 S100 S.POS=90",
+    "S.OFFSET": "S.OFFSET=90",
     "S[ ]": "S[M3 REV500]",
     "REV": "S[REV500 M4]",
     "T": "T1",

@@ -9,6 +9,9 @@ measured angle is off it is added:
 
 The measured angle comes from the bus more seldom than every cycle; in between the measured speed carries it on.
 
+Together with the path (threads, tapping) its angle is kept in the same way: `lock` binds the measured angle to the plan while
+it turns, and while it `follows` the path tells the plan.
+
 From standstill an angle is gone to the shorter way unless M3 or M4 stands beside M19; a turning spindle keeps its sense and
 stops at the first time the angle comes round that it can brake to.
 """
@@ -86,11 +89,20 @@ class Spindle:
         self._extra = 0.0  # degrees/s added to the planned speed
         self._running = False
         self._override = 1.0
+        self.velocity = 0.0  # measured, degrees/s
+        self.follows = False  # the path says where it is to be
+        self.locked = False  # the measured angle is kept to the plan
+        self._steady = False  # the override stays as it is
+        self._led = 0.0  # where the path wants it, degrees of `angle`
+        self._led_speed = 0.0
+        self._off = 0.0  # degrees that the angle was behind the plan
 
     # ------------------------------------------------------------------ orders
 
     def command(self, order: SpindleOrder) -> None:
-        """Take an order; it acts from the next step on."""
+        """Take an order; it acts from the next step on. While it follows the path there is none for it."""
+        if self.follows:
+            return
         self.programmed_speed = order.speed * DEGREES_PER_SECOND
         self.override_off = order.override_off
         # behind M19 a new speed alone turns the spindle again if M3 or M4 is still modal
@@ -103,10 +115,25 @@ class Spindle:
         else:
             self._mover.move_to(self._mover.target, self._positioning())  # another speed on the way
 
+    @property
+    def greatest_speed(self) -> float:
+        """Of the present gear stage, degrees/s."""
+        return self._most.velocity
+
+    def change_speed(self, speed: float, share: float) -> None:
+        """Another speed, degrees/s, and nothing else; a change of less than `share` is none. Not on the way to M19."""
+        before = self.programmed_speed
+        if self.mode is SpindleMode.M19 or abs(speed - before) <= share * before:
+            return
+        self.programmed_speed = speed
+        if not self.follows:
+            self._turn()
+
     def stop(self) -> None:
-        """As M5: used by every reaction that stops the machine."""
+        """As M5: used by every reaction that stops the machine. One that follows the path comes to rest with it."""
         self.mode = SpindleMode.M5
-        self._turn()
+        if not self.follows:
+            self._turn()
 
     def reset(self) -> None:
         """Stops, and forgets what was ordered beside motion: weights, the override that is switched off."""
@@ -141,6 +168,8 @@ class Spindle:
         self._next_stage = -1
 
     def _again(self) -> None:
+        if self.follows:
+            return
         if self.mode is not SpindleMode.M19:
             self._turn()
         elif self._mover.goal is Goal.POSITION:
@@ -187,10 +216,78 @@ class Spindle:
         speed = min(max(self.programmed_speed * self.speed_factor, 1.0), self._most.velocity)
         return Dynamics(speed, self._most.acceleration * weight, self._most.jerk * weight)
 
+    # ------------------------------------------------------------------ together with the path
+
+    @property
+    def speed_told(self) -> float:
+        """The planned speed, degrees/s, signed."""
+        return self._mover.velocity
+
+    @property
+    def planned_next(self) -> float:
+        """Where the plan will be behind the next step, if nothing is ordered, degrees of `angle`."""
+        mover, period = self._mover, self._period
+        return self.planned_angle + (mover.velocity + mover.acceleration * period / 2.0) * period
+
+    @property
+    def at_speed(self) -> bool:
+        """It turns as M3 or M4 asks for."""
+        turns = self.mode in (SpindleMode.M3, SpindleMode.M4) and self._mover.velocity != 0.0
+        return turns and self.reached(self.velocity)
+
+    @property
+    def at_rest(self) -> bool:
+        """Plan and spindle stand."""
+        return self._mover.standstill and abs(self.velocity) <= ZERO_SPEED
+
+    def lock(self, *, steady: bool) -> None:
+        """The measured angle is kept to the plan from here on, as both are now; `steady`: and the override stays as it is."""
+        if not self.locked:
+            self._offset = self.angle + self._mover.velocity * self._period - self._mover.position
+        self.locked, self._steady = True, steady
+
+    def unlock(self) -> None:
+        """Only the speed counts again."""
+        self.locked = self._steady = False
+
+    def follow(self) -> float:
+        """Standing: it turns with the path from here on, from the angle that this returns (degrees of `angle`)."""
+        self.mode = SpindleMode.M5
+        self.follows = True
+        self._mover.restart(self._mover.position)
+        self._led, self._led_speed = self.angle, 0.0
+        return self._led
+
+    def lead(self, angle: float) -> None:
+        """Where it has to be behind the next step, degrees of `angle`."""
+        self._led_speed = (angle - self._led) / self._period
+        self._led = angle
+
+    @property
+    def off_plan(self) -> float:
+        """How far the measured angle was behind the plan in the cycle before, degrees."""
+        return self._off
+
+    @property
+    def at_rest_led(self) -> bool:
+        """Following the path, which stands: it stands as well, and is where the path has it."""
+        window = max(self.axis.in_position, LEAST_WINDOW)
+        return self._led_speed == 0.0 and abs(self._off) <= window and abs(self.velocity) <= ZERO_SPEED
+
+    def release(self) -> None:
+        """It no longer follows, and comes to rest if it does not stand."""
+        if not self.follows:
+            return
+        self.follows = False
+        self._offset = self._led - self._mover.position
+        self._mover.continue_from(State(self._mover.position, self._led_speed, 0.0))
+        self._turn()
+
     # ------------------------------------------------------------------ the cycle
 
     def observe(self, position: float, velocity: float) -> None:
         """Start of the cycle: what the drive says, degrees and degrees/s; the position may be that of an earlier cycle."""
+        self.velocity = velocity
         if position != self._measured:
             self._measured = self.angle = position
         else:
@@ -200,6 +297,7 @@ class Spindle:
         """One cycle. `running`: the drive takes set-points; if not, the set-point is zero at once, without a ramp."""
         mover = self._mover
         if not running:
+            self.follows = self.locked = False
             if self._running or mover.goal is Goal.POSITION:
                 mover.restart(mover.position)
                 self._turn()
@@ -210,20 +308,29 @@ class Spindle:
                 self._turn()
             return
         self._running = True
+        if self.follows:
+            self.set_point = self._led_speed
+            self.set_point += self._correction()
+            return
         if self._next_stage >= 0 and mover.standstill:
             self._change_stage()
             mover = self._mover
-        self._override = 1.0 if self.override_off else override
+        if not self._steady:
+            self._override = 1.0 if self.override_off else override
         mover.step(self._override)
         self.set_point = mover.velocity
         if mover.goal is Goal.POSITION:
             self.set_point = self.feed_forward * mover.velocity + self._correction()
+        elif self.locked:
+            self.set_point += self._correction()
         elif self._extra != 0.0:
-            self._extra = 0.0
+            most = self._most.acceleration * (1.0 - _SHARE) * self._period
+            self._extra -= max(-most, min(self._extra, most))
+            self.set_point += self._extra
 
     def _correction(self) -> float:
         """What is added to the planned speed for the angle to come true; it changes no faster than the spindle may."""
-        off = self.planned_angle - self.angle - self.set_point * self._period
+        off = self._off = self.planned_angle - self.angle - self.set_point * self._period
         most = self._most.acceleration * (1.0 - _SHARE) * self._period
         wanted = max(-self._most.velocity, min(_GAIN * off, self._most.velocity))
         self._extra += max(-most, min(wanted - self._extra, most))
@@ -233,8 +340,8 @@ class Spindle:
 
     @property
     def planned_angle(self) -> float:
-        """Where the plan is, in the degrees of `angle`; turning, it is no measure."""
-        return self._mover.position + self._offset
+        """Where the plan is, in the degrees of `angle`; turning without a lock, it is no measure."""
+        return self._led if self.follows else self._mover.position + self._offset
 
     # ------------------------------------------------------------------ state
 

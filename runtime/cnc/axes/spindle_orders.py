@@ -103,6 +103,8 @@ class SpindleOrders:
         if call.kind not in KINDS:
             return "there is no such order"
         kind = Kind(call.kind)
+        if spindle.follows:
+            return "it follows the path (tapping)"
         if ordered.error:
             return "the PLC reports an error of it"
         turns = kind in (Kind.M3, Kind.M4, Kind.M19, Kind.SPEED, Kind.OVERRIDE_OFF)

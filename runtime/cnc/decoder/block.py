@@ -24,13 +24,14 @@ from runtime.cnc.decoder.flow import Flow
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.independent import begin_own_motions, emit_own_motions, end_own_motions, wait_for
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
-from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
+from runtime.cnc.decoder.modal import INCH, TAPPING, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.radius_compensation import FORBIDDEN_G, expect_none, forbids
 from runtime.cnc.decoder.returns import return_to
 from runtime.cnc.decoder.selection import select_zero_offset
 from runtime.cnc.decoder.spatial import spatial_arc
 from runtime.cnc.decoder.technology import SUBPROGRAM_END, functions_of
+from runtime.cnc.decoder.threads import tap, thread
 from runtime.cnc.decoder.tool_management import begin_with_tools
 from runtime.cnc.decoder.tool_words import data_number, tool_words, tools_ready
 from runtime.cnc.dynamic_settings import USUAL
@@ -132,6 +133,7 @@ class WordBlocks:
         if block.statement is not None:
             slots = block.statement
             x.levels.entered = False
+            x.sections.before_statement(x)
             if forbids(slots.statement.syntax.name):
                 expect_none(x, "#" + slots.statement.syntax.name, slots.statement.column)
             STATEMENTS[slots.statement.syntax.name].handler(x, StatementCall(slots, values))
@@ -183,7 +185,9 @@ class WordBlocks:
     ) -> None:
         x = self._x
         x.compensation.follow(x)
+        x.sections.before(x, block)
         functions = functions_of(block, values, x)
+        x.sections.tell_feed(x)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         x.independent.of_block.clear()
         give_jobs(x, block, values)
@@ -244,6 +248,10 @@ class WordBlocks:
             return False
         if x.modal.motion is Motion.ARC_IN_SPACE:
             spatial_arc(x, block, corner)
+        elif x.modal.motion is Motion.THREAD:
+            thread(x, block, corner)
+        elif x.modal.motion in TAPPING:
+            tap(x, block, corner)
         else:
             move(x, block, corner)
         return True

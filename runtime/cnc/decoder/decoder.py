@@ -210,6 +210,7 @@ class Decoder:
                 elif x.out and not unit.corner_follows(entry, frame.section):
                     yield from self._handed_over()
         except ProgramError:
+            x.sections.close(x)
             yield from self._handed_over()
             raise
         yield from self._handed_over()

@@ -34,6 +34,7 @@ from runtime.cnc.decoder.radius_compensation import Compensation
 from runtime.cnc.decoder.report_file import Backups
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.decoder.smoothing import Smoothing
+from runtime.cnc.decoder.spindle_sections import SpindleSections
 from runtime.cnc.decoder.spindles import Spindles
 from runtime.cnc.decoder.steps import CONTROLS, ENDS_STEP, Steps
 from runtime.cnc.decoder.tooling import Tooling
@@ -166,6 +167,7 @@ class Execution:
         self.job_ids: set[int] = set()  # of axis jobs, programmed so far
         self.block_waits_for_jobs = False
         self.spindles = Spindles(setup.spindles, setup.main_spindle, setup.main_name, setup.start_m)
+        self.sections = SpindleSections()  # in which path and spindle move together
         self.speed_argument = 0  # G function of the block in work whose argument S is, 0 if it is a speed
         self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
@@ -337,6 +339,7 @@ class Execution:
             and not self.compensation.watches
             and not self.independent.running
             and not self.coupling.slaves
+            and not self.sections.watches
         )
 
     def take_path_start(self) -> list[float]:

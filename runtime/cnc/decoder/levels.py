@@ -51,6 +51,7 @@ class Levels:
         x = self._x
         for frame in x.frames:
             _expect_no_section(frame)
+        x.sections.close(x)
         name = x.setup.final_program
         if not name or any(frame.level is Level.FINAL for frame in x.frames):
             self._end(last or self._last)

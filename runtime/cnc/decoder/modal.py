@@ -18,6 +18,13 @@ class Motion(IntEnum):
     CIRCLE_CW = 2
     CIRCLE_CCW = 3
     ARC_IN_SPACE = 303
+    THREAD = 33
+    TAPPING = 63
+    TAPPING_IN = 331  # by a pitch
+    TAPPING_OUT = 332
+
+
+TAPPING = (Motion.TAPPING, Motion.TAPPING_IN, Motion.TAPPING_OUT)
 
 
 class Plane(IntEnum):

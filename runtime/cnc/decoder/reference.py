@@ -44,13 +44,18 @@ WORDS: dict[WordKind, tuple[Row, ...]] = {
     WordKind.AXIS: (
         Row("<axis>", "X.. | X[<expression>] | X1=.. | @X..", "block", "coordinate of an axis (mm, inch, deg)"),
     ),
-    WordKind.INTERPOLATION: (Row("I J K", "I.. J.. | @I..", "block", "centre of a circle (mm, inch)"),),
+    WordKind.INTERPOLATION: (
+        Row("I J K", "I.. J.. | @I..", "block", "centre of a circle, pitch of a thread (mm, inch)"),
+    ),
     WordKind.RADIUS: (Row("R", "R.. | R1=..", "block", "radius of a circle; below 0 the longer arc (mm, inch)"),),
     WordKind.FEED: (Row("F", "F..", "modal", "feed, in what G93, G94, G95 or G194 say"),),
     WordKind.END_FEED: (Row("E", "E..", "block", "feed at the end of a block"),),
     WordKind.SPEED: (Row("S", "S.. | S<spindle>=..", "modal", "speed of a spindle (rev/min)"),),
     WordKind.SPINDLE_POSITION: (
         Row("S.POS", "S.POS.. | S<spindle>.POS=..", "modal", "position at which M19 stops a spindle (deg)"),
+    ),
+    WordKind.SPINDLE_OFFSET: (
+        Row("S.OFFSET", "S.OFFSET.. | S<spindle>.OFFSET=..", "modal", "angle at which a thread of G33 begins (deg)"),
     ),
     WordKind.BRACKET: (
         Row("S[ ]", "S<spindle>[<words>] | <axis>[<words>]", "block", "M, H, G and keys of a spindle or an axis"),

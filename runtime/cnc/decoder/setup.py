@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -88,12 +89,23 @@ class GearRange:
         return self.usable and self.least <= speed <= self.greatest
 
 
+class AxisDynamics(NamedTuple):
+    """What an axis can: mm or degrees, and seconds."""
+
+    velocity: float
+    acceleration: float
+    jerk: float
+
+
+_ANYTHING = AxisDynamics(math.inf, math.inf, math.inf)
+
+
 @dataclass(frozen=True, slots=True)
 class SpindleSetup:
     """A spindle of the channel with the synchronisation of its functions: `m` for M3, M4, M5, M19.
 
     `plc`: the PLC moves it. `area` is its index among the axes of the machine. `gears`: M40 and following; `stages` how many
-    data sets its axis has.
+    data sets its axis has, `dynamics` the least of them (without: its own), degrees and seconds.
     """
 
     name: str
@@ -108,6 +120,7 @@ class SpindleSetup:
     automatic_gear: bool = False
     gears_from_top: bool = False
     stages: int = 0
+    dynamics: AxisDynamics = _ANYTHING
 
     @classmethod
     def of(cls, machine: Machine, spindle: ChannelSpindle, key: str) -> SpindleSetup:
@@ -116,6 +129,7 @@ class SpindleSetup:
         axis = machine.axes[index]
         numbers = (3, 4, 5, 19)
         table = spindle.range_table
+        sets = axis.gear_stages or (axis,)
         ranges = [table.get(stage) for stage in range(max(table, default=-1) + 1)]
         return cls(
             spindle.bezeichnung,
@@ -130,6 +144,11 @@ class SpindleSetup:
             automatic_gear=spindle.autom_range,
             gears_from_top=spindle.range_way > 0,
             stages=len(axis.gear_stages),
+            dynamics=AxisDynamics(
+                min(known.velocity for known in sets),
+                min(known.acceleration for known in sets),
+                min(known.jerk for known in sets),
+            ),
         )
 
 
@@ -143,14 +162,6 @@ class OtherAxis:
 
 
 Pairs = tuple[tuple[int, int], ...]  # logical axis numbers of slave and master
-
-
-class AxisDynamics(NamedTuple):
-    """What an axis can: mm or degrees, and seconds."""
-
-    velocity: float
-    acceleration: float
-    jerk: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from runtime.cnc.blocks import SpindleSetting, SpindleValue, Synch, Technology, 
 from runtime.cnc.decoder.setup import GearRange, SpindleSetup
 from runtime.cnc.language.isg.comments import LineError
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import spindle
 from runtime.diagnostics.catalogue import technology as errors
 
 if TYPE_CHECKING:
@@ -119,6 +120,7 @@ class Spindles:
         number, sense = self._number(setup, state, words)
         if number < 0:
             return
+        self._expect_free(x, index, f"M{number}" if number else words.word, words.column)
         synch, duration = setup.s, setup.s_duration
         if number > 0:
             synch, duration = setup.m.get(number, Synch.NO_SYNCH), setup.m_duration.get(number, 0.0)
@@ -169,10 +171,17 @@ class Spindles:
         if synch.kind == Synch.NO_SYNCH:
             raise LineError(catalogue.SPINDLE_NO_SYNCH, column, word=word)
 
+    def _expect_free(self, x: Execution, index: int, word: str, column: int) -> None:
+        """LineError for an order to the spindle that follows the path."""
+        if x.sections.tapping and index == x.sections.spindle:
+            motion = f"G{int(x.modal.motion)}"
+            raise LineError(spindle.TAPPING_SPINDLE, column, word=word, name=self._setups[index].name, motion=motion)
+
     def set(self, x: Execution, index: int, what: SpindleValue, value: float, column: int) -> None:
         """A setting of a spindle that the control moves itself, at its place on the path."""
         if self._setups[index].plc:
             raise LineError(errors.PLC_SPINDLE, column, name=self._setups[index].name)
+        self._expect_free(x, index, what.name, column)
         x.emit(SpindleSetting(x.source, index, what, value))
 
     def home(self, x: Execution, index: int, column: int) -> None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from runtime.cnc.blocks import StopKind, Technology
 from runtime.cnc.decoder.block_functions import VALUE_LIMIT, Functions, extra_of, number_of, put_out, put_out_tool
 from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.modal import TAPPING
 from runtime.cnc.decoder.spindle_commands import HOMING_G, argument_of_main, bracket_commands, enter_spindle_m
 from runtime.cnc.decoder.spindles import FIRST_GEAR, SpindleWords, free_number
+from runtime.cnc.decoder.threads import take_offset, take_speed
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, FunctionSlots, Values
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.parser import GEAR_M, INTERNAL_M, POSITIONING_M, SPINDLE_M, TOOL_CHANGE_M
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import spindle
 
 STOPS = {0: StopKind.PROGRAMMED, 1: StopKind.OPTIONAL}
 PROGRAM_END = (2, 30)
@@ -80,12 +83,22 @@ def _main_spindle(
     if block.speed >= 0:
         if any(slots.word.index == HOMING_G for slots in block.g):
             x.speed_argument = HOMING_G
-        if x.speed_argument:
+        if x.modal.motion in TAPPING and not x.speed_argument:
+            take_speed(x, values[block.speed], words.column)
+        elif x.speed_argument:
             argument_of_main(x, words, values[block.speed])
         else:
             words.speed = values[block.speed]
+    if block.spindle_offset >= 0:
+        take_offset(x, block)
     if block.spindle_position >= 0:
         words.angle = values[block.spindle_position]
+    if x.modal.motion in TAPPING and (words.command >= 0 or words.position):
+        told = f"M{POSITIONING_M if words.position else words.command}"
+        raise LineError(
+            spindle.TAPPING_SPINDLE, words.column, word=told, name=x.setup.spindles[spindles.main].name,
+            motion=f"G{int(x.modal.motion)}",
+        )  # fmt: skip
     if x.setup.gear_change and (gear >= 0 or words.any):
         stage = spindles.select_gear(x, gear, words)
         if stage >= 0:

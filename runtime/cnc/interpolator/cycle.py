@@ -27,6 +27,7 @@ from runtime.cnc.interpolator.lookahead import (
     HORIZON,
     KNOWN_END,
     LINE,
+    ORDERS,
     POLYNOMIAL,
     RELEASED,
     SHARPLY,
@@ -321,7 +322,7 @@ def _warm_up() -> None:
     last_step(np.frombuffer(buffer, dtype=RECORD), 0, 0)
     cycle(
         np.frombuffer(buffer, dtype=RECORD), np.zeros((1, POLYNOMIAL_ROWS, WIDTH)),
-        np.zeros(8, dtype=np.int64), 1, 0.001, np.array([1.0, 1.0, -1.0]), False, False,
+        np.zeros(8, dtype=np.int64), 1, 0.001, np.ones(ORDERS), False, False,
         np.zeros(FLOAT_STATE), np.zeros(INT_STATE, dtype=np.int64), np.zeros(MAX_AXES), np.zeros(MAX_AXES),
         np.zeros(PASSED, dtype=np.int64), real, whole, plans,
     )  # fmt: skip

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import cycle as c
 from runtime.cnc.interpolator import prediction
-from runtime.cnc.interpolator.lookahead import EXTERNAL_FEED, OVERRIDE, RAPID_OVERRIDE
+from runtime.cnc.interpolator.lookahead import EXTERNAL_FEED, ORDERS, OVERRIDE, RAPID_OVERRIDE, TURNING
 from runtime.cnc.interpolator.set_point_filter import SetPointFilter
 from runtime.cnc.motion_queue import MAX_AXES, MotionQueue
 from runtime.config.fir_filter import FirFilter
@@ -76,7 +76,8 @@ class Interpolator:
         self._passed = np.zeros(c.PASSED, dtype=np.int64)
         self._real, self._whole, self._plans = c.scratch()
         self._prediction = prediction.scratch()
-        self._orders = np.array([1.0, 1.0, -1.0])  # of the last step: OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED
+        self._orders = np.zeros(ORDERS)  # of the last step: OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED, TURNING
+        self._orders[:TURNING] = 1.0, 1.0, -1.0
         self._single_block = False
         self._way = (0.0, 1.0)  # where `path_position` counts from, and in which sense
         self._filter = SetPointFilter(filters or (None,) * self._n, period)
@@ -142,6 +143,10 @@ class Interpolator:
         )
         if self._filter.on:
             self._filter.step(self._q, self._f[c.PATH], self._i[c.CUR])
+
+    def turns(self, spindle: int, speed: float) -> None:
+        """What a spindle of the channel turns with, rev/min, for feeds per revolution in the next step."""
+        self._orders[TURNING + spindle] = speed
 
     def exchange(self, track: Track) -> None:
         """Go over to another path at standstill; `track` keeps this one, for going back. The axes stay where they are."""

@@ -56,22 +56,26 @@ ZONES = 32  # borders seen in a cycle at most
 SHARP = 0.8  # limits that fall below this share of those before begin a zone
 MARGIN = 16.0  # cycles of travel that the look-ahead sees beyond the braking distance
 
-# orders of operator and PLC: shares, and mm/s of an external feed, negative: none
-OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED = 0, 1, 2
-ORDERS = 3
+# orders of operator and PLC: shares, and mm/s of an external feed, negative: none; and what the spindles turn with, rev/min
+OVERRIDE, RAPID_OVERRIDE, EXTERNAL_FEED, TURNING = 0, 1, 2, 3
+SPINDLES = 6  # of a channel, at most
+ORDERS = TURNING + SPINDLES
 
 LINE, ARC, POLYNOMIAL, FUNCTION, GATE, BLOCK_END = 0, 1, 2, 3, 4, 5  # motion up to POLYNOMIAL
 
 
 @kernel
-def wanted_speed(rapid: int, feed: float, external: float, v_limit: float, orders: Floats) -> float:
+def wanted_speed(rapid: int, feed: float, external: float, spindle: int, v_limit: float, orders: Floats) -> float:
     """Path velocity wanted on an element: the override scales feed within the limits, and rapid up to 100 %.
 
     `orders` (ORDERS,) are those of the operator; a feed of the PLC takes the place of the programmed one, `external` of it.
+    Below 0 `external` is the speed of `spindle`, rev/min, that a feed per revolution was made with.
     """
     share: float = orders[OVERRIDE]
-    if orders[EXTERNAL_FEED] >= 0.0 and external > 0.0:
-        feed = orders[EXTERNAL_FEED] * external
+    if orders[EXTERNAL_FEED] >= 0.0 and external != 0.0:
+        feed = orders[EXTERNAL_FEED] * (external if external > 0.0 else 1.0)
+    elif external < 0.0:
+        feed *= orders[TURNING + spindle] / -external
     elif rapid == 1:
         share = orders[RAPID_OVERRIDE]
         return v_limit * min(share, 1.0)
@@ -149,7 +153,9 @@ def collect(
         r = records[e % size]
         what = r["kind"]
         if what <= POLYNOMIAL:
-            wanted = 0.0 if hold else wanted_speed(r["rapid"], r["feed"], r["external"], r["v_limit"], orders)
+            wanted = 0.0 if hold else wanted_speed(
+                r["rapid"], r["feed"], r["external"], r["spindle"], r["v_limit"], orders
+            )  # fmt: skip
             a_most = most_acceleration(r["a_limit"], r["a_hold"], hold)
             j_most = most_acceleration(r["j_limit"], r["j_hold"], hold)
             if not moving:

@@ -19,7 +19,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.interpolator.lookahead import BLOCK_END, GATE, entry_speed, wanted_speed
+from runtime.cnc.interpolator.lookahead import BLOCK_END, GATE, ORDERS, entry_speed, wanted_speed
 from runtime.cnc.interpolator.plan import ACCELERATION_AT, COLUMNS, JERK_AT, SPEED_AT, TIME, WAY, crossing, state_at
 from runtime.cnc.motion_queue import RECORD, Records
 from runtime.kernels import kernel, warms
@@ -117,7 +117,7 @@ def time_until(
         closed = r["kind"] == GATE and e > opened
         if r["length"] > 0.0:
             length = r["length"] - s_in if e == cur else r["length"]
-            cap = wanted_speed(r["rapid"], r["feed"], r["external"], r["v_limit"], orders)
+            cap = wanted_speed(r["rapid"], r["feed"], r["external"], r["spindle"], r["v_limit"], orders)
             if cap <= 0.0:
                 return np.inf
             new = count == 0 or (at == count) or abs(cap - z[CAP, count - 1]) > 1e-9 * cap or r["v_entry"] < cap
@@ -179,7 +179,7 @@ def scratch() -> Floats:
 @warms("prediction")
 def _warm_up() -> None:
     time_until(
-        np.zeros(1, dtype=RECORD), 0, 0, 0.0, 0.0, 1.0, -1, np.inf, np.array([1.0, 1.0, -1.0]), -1, False, -1,
+        np.zeros(1, dtype=RECORD), 0, 0, 0.0, 0.0, 1.0, -1, np.inf, np.ones(ORDERS), -1, False, -1,
         np.zeros((2, COLUMNS)), 1, 0.0, 0.0, scratch(),
     )  # fmt: skip
     time_on_plan(np.zeros((2, COLUMNS)), 1, 0.0, -1.0)

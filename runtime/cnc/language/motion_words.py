@@ -29,6 +29,7 @@ class WordKind(IntEnum):
     RETURN = auto()  # M17 or M29 with brackets
     GOTO = auto()
     SPINDLE_POSITION = auto()  # S.POS
+    SPINDLE_OFFSET = auto()  # S.OFFSET
     BRACKET = (
         auto()
     )  # S[..] or X[..]: channel axis index, -1 for a spindle; with a `job` that of another axis; `name` as written

@@ -27,6 +27,7 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     CouplingChange,
+    CuttingSpeed,
     Dwell,
     ExactStop,
     Floats,
@@ -50,6 +51,8 @@ from runtime.cnc.blocks import (
     SearchPlace,
     SearchStep,
     Source,
+    SpindleRole,
+    SpindleSection,
     SpindleSetting,
     StepEnd,
     Stop,
@@ -87,12 +90,14 @@ class CollectedFunctions:
     """The last of each function that was left out, in the order in which they came last."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[object, ...], TechnologyFunction | SpindleSetting] = {}
+        self._kept: dict[tuple[object, ...], TechnologyFunction | SpindleSetting | CuttingSpeed] = {}
 
-    def take(self, block: TechnologyFunction | SpindleSetting) -> None:
+    def take(self, block: TechnologyFunction | SpindleSetting | CuttingSpeed) -> None:
         """An older one of the same kind and number gives way; of a spindle there is one command, and one speed."""
         if isinstance(block, SpindleSetting):
             key: tuple[object, ...] = ("setting", block.spindle, block.what)
+        elif isinstance(block, CuttingSpeed):
+            key = ("cutting speed",)
         elif block.kind is Technology.M and block.number in _OF_THE_PROGRAM:
             return
         elif block.kind is Technology.S:
@@ -106,7 +111,7 @@ class CollectedFunctions:
         """One after the other, each waited for if its type asks for it; nothing is left."""
         kept, self._kept = self._kept, {}
         for block in kept.values():
-            if isinstance(block, SpindleSetting):
+            if isinstance(block, SpindleSetting | CuttingSpeed):
                 yield block
                 continue
             kind = block.synch.kind
@@ -142,6 +147,7 @@ class BlockSearchStage:
         self._plane = (0, 1)
         self._source = Source(program, 0)
         self._marked = self._locked = False
+        self._with_spindle = False  # path and spindle move together
         self._lines: deque[tuple[float, int]] = deque(
             maxlen=_CHECKED_ELEMENTS
         )  # ends of the last elements, and their lines
@@ -176,8 +182,10 @@ class BlockSearchStage:
                     yield from self._enter(self._place, self._feed)
             case SearchArea():
                 self._locked = block.locked
-            case TechnologyFunction() | SpindleSetting():
+            case TechnologyFunction() | SpindleSetting() | CuttingSpeed():
                 self._functions.take(block)
+            case SpindleSection():
+                self._with_spindle = block.role is not SpindleRole.FREE
             case Flush():
                 if block.kind is FlushKind.WAIT:
                     yield from self._functions.put_out()
@@ -291,6 +299,8 @@ class BlockSearchStage:
     def _enter(self, place: Floats, feed: float) -> Iterator[Block]:
         if self._locked:
             raise self._error(catalogue.SEARCH_LOCKED, target=self._wanted)
+        if self._with_spindle:
+            raise self._error(catalogue.SEARCH_WITH_SPINDLE, target=self._wanted)
         target, source = self._target, self._source
         yield from self._functions.put_out()
         yield SearchGate(source, SearchStep.END)

@@ -27,6 +27,7 @@ from runtime.cnc.blocks import (
     BlockEnd,
     ClearStorage,
     CouplingChange,
+    CuttingSpeed,
     DistanceMark,
     Dwell,
     DynamicsChange,
@@ -51,13 +52,17 @@ from runtime.cnc.blocks import (
     Polynomials,
     PositionSetting,
     Receiver,
+    RevolutionFeed,
     SearchArea,
     SearchGate,
     SearchMark,
     SearchPlace,
     SearchStep,
     Source,
+    SpindleRole,
+    SpindleSection,
     SpindleSetting,
+    SpindleTurn,
     StepEnd,
     Stop,
     StopKind,
@@ -111,6 +116,13 @@ _SEARCH = {
     SearchStep.END: GateReason.SEARCH_END,
     SearchStep.RETURN: GateReason.SEARCH_RETURN,
     SearchStep.GO_ON: GateReason.SEARCH_GO_ON,
+}
+
+
+_SPINDLE_GATES = {
+    SpindleRole.THREAD: GateReason.THREAD,
+    SpindleRole.TAPPING: GateReason.TAPPING,
+    SpindleRole.FREE: GateReason.SPINDLE_FREE,
 }
 
 
@@ -216,6 +228,9 @@ class QueueWriter:
         self._flushing = False
         self._travelled: Floats | None = None  # by each axis since #DIST TO GO BEGIN
         self._plc_messages = 0
+        self._revolutions: RevolutionFeed | None = None  # feeds are per revolution
+        self._section: SpindleSection | None = None  # path and spindle move together
+        self._turn, self._turned = 0.0, 0.0  # degrees per mm in it, and how far the spindle has turned
 
     def pump(self, blocks: Iterator[Block], budget: int = 1000) -> PumpState:
         """Write blocks until the queue is full, `budget` records are written, or there are no more blocks.
@@ -280,11 +295,26 @@ class QueueWriter:
             records["v_entry"][first] = min(records["v_entry"][first], self._end_feed)
             records["v_corner"][first] = min(records["v_corner"][first], self._end_feed)
             self._end_feed = math.inf
+        if self._revolutions is not None:
+            fed = elements[records["rapid"][elements] == 0]
+            records["external"][fed], records["spindle"][fed] = -self._revolutions.speed, self._revolutions.spindle
+        if self._section is not None:
+            self._together(records, elements, self._section)
         if isinstance(block, Line | Arc | Polynomials):
             if block.override_off:
                 records["override_off"][elements] = 1
             if block.end_feed is not None:
                 self._end_feed = block.end_feed / 60.0
+
+    def _together(self, records: Records, elements: npt.NDArray[np.int64], section: SpindleSection) -> None:
+        """Elements on which path and spindle move together. A ramp of feed hold of its own knows nothing of the spindle."""
+        turned = np.cumsum(records["length"][elements] * self._turn)
+        records["sense"][elements], records["spindle"][elements] = int(section.role), section.spindle
+        records["value"][elements] = self._turn
+        records["spindle_angle"][elements] = self._turned + turned - records["length"][elements] * self._turn
+        records["external"][elements] = 1.0
+        records["a_hold"][elements] = records["j_hold"][elements] = 0.0
+        self._turned += float(turned[-1])
 
     def _weight_external(self, settings: DynamicSettings) -> None:
         """#FF: the weights of a feed that the PLC commands, for moves at feed and rapid ones; 0: it does not act."""
@@ -361,6 +391,22 @@ class QueueWriter:
                     block.spindle,
                 )
                 record["number"], record["value"] = int(block.what), block.value
+            case RevolutionFeed():
+                self._revolutions = block if block.speed > 0.0 else None
+                return record[:0]
+            case SpindleTurn():
+                self._turn = block.per_mm
+                return record[:0]
+            case SpindleSection():
+                record["kind"], record["reason"] = RecordKind.GATE, _SPINDLE_GATES[block.role]
+                record["spindle"], record["value"] = block.spindle, block.angle
+                record["number"], record["size"], record["offset"] = block.measured, block.cycles, block.steady
+                self._section = None if block.role is SpindleRole.FREE else block
+                self._turned = 0.0
+            case CuttingSpeed():
+                record["kind"], record["action"] = RecordKind.ACTION, ActionKind.CUTTING_SPEED
+                record["spindle"], record["value"], record["number"] = block.spindle, block.velocity, block.axis
+                record["lead"], record["seconds"] = block.centre, block.limit
             case AxisJob():
                 write_job(record, block)
             case AxisJobWait():

@@ -5,6 +5,8 @@ fieldbus and drives 303xxx, PLC and HLI 304xxx, runtime and system 305xxx, the r
 radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx, the NCT dialect 32xxxx.
 radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx, coordinate systems
 315xxx.
+radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx,
+turning, threads and tapping 313xxx.
 """
 
 from __future__ import annotations
@@ -29,6 +31,7 @@ from runtime.diagnostics.catalogue import (
     plc,
     radius,
     recorder,
+    spindle,
     system,
     technology,
     tools,
@@ -56,6 +59,7 @@ _AREAS: tuple[ModuleType, ...] = (
     nct,
     coordinates,
     nct_macros,
+    spindle,
 )
 
 

@@ -24,6 +24,13 @@ SEARCH_LOCKED = ErrorEntry(
     Reaction.REFUSE,
     "Nothing has moved. Enter the program before or behind the area.",
 )
+SEARCH_WITH_SPINDLE = ErrorEntry(
+    313105,
+    "{target} lies in a thread or in tapping, where nothing can be entered",
+    Severity.ERROR,
+    Reaction.REFUSE,
+    "Nothing has moved. Enter the program in front of it or behind it.",
+)
 SEARCH_CHANGED = ErrorEntry(
     306103,
     "where the program was interrupted it was on line {line}, now its path is on line {found} there",

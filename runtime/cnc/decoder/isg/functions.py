@@ -17,6 +17,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_offsets,
     g_radius_compensation,
     g_spindle,
+    g_threads,
     g_transition,
     g_weights,
     hsc,

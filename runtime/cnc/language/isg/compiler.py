@@ -187,6 +187,7 @@ class CompiledBlock:
     counter: Counter | None = None  # of $FOR
     jobs: tuple[StatementSlots, ...] = ()
     signs: tuple[tuple[int, str], ...] = ()  # channel axis index, and the signs directly behind its name
+    spindle_offset: int = -1
     macro_version: int = -1  # of the macros that its text was read with, -1 if it has no quoted text
 
     @property
@@ -383,6 +384,7 @@ def compile_block(
         assigned=plain and bool(kinds) and kinds == {WordKind.ASSIGNMENT},
         jobs=tuple(jobs),
         signs=tuple((w.index, w.signs) for w in block.words if w.kind is WordKind.AXIS and w.signs),
+        spindle_offset=slots.get(WordKind.SPINDLE_OFFSET, -1),
         macro_version=macro_version,
     )
 

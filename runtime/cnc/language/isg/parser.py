@@ -70,6 +70,7 @@ _ONCE = {
     WordKind.DWELL: "G04",
     WordKind.RETURN: "M17",
     WordKind.SPINDLE_POSITION: "S.POS",
+    WordKind.SPINDLE_OFFSET: "S.OFFSET",
 }
 _ADDRESSES = {
     "FEED": WordKind.FEED,
@@ -267,6 +268,11 @@ class _Builder(Transformer[Token, ParsedBlock]):
         spindle = str(name).rpartition(".")[0]
         self._check_spindle(name, spindle)
         return Word(WordKind.SPINDLE_POSITION, _column(name), self._value(value, name), name=spindle)
+
+    def spindle_offset(self, name: Token, value: Expression) -> Word:
+        spindle = str(name).rpartition(".")[0]
+        self._check_spindle(name, spindle)
+        return Word(WordKind.SPINDLE_OFFSET, _column(name), self._value(value, name), name=spindle)
 
     def function_word(self, letter: Token, number: Expression, extra: Expression | None) -> Word:
         kind = WordKind.M if letter.upper() == "M" else WordKind.H
