@@ -21,7 +21,6 @@ import numpy.typing as npt
 
 from runtime.cnc.actions import Actions, Told, Warned
 from runtime.cnc.actual_limits import ActualLimits
-from runtime.cnc.axes.cutting_speed import CuttingSpeeds
 from runtime.cnc.axes.feed_forward import FeedForwardShares
 from runtime.cnc.axes.program_jobs import ProgramJobs
 from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
@@ -29,6 +28,7 @@ from runtime.cnc.backward_motion import BackwardMotion, RepeatedStops, Way
 from runtime.cnc.beside_path import ACTIONS, BesidePath
 from runtime.cnc.block_search import BlockSearching
 from runtime.cnc.channel_inputs import ChannelInputs
+from runtime.cnc.cutting_speed import CuttingSpeeds
 from runtime.cnc.delete_distance import DeleteDistance
 from runtime.cnc.distance_display import DistanceDisplay
 from runtime.cnc.gates import Gates, OperatorInfluence, Surroundings
