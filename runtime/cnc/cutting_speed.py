@@ -8,21 +8,14 @@ G97.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from runtime.cnc.axes.spindle import DEGREES_PER_SECOND, Spindle
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.queue_record import QueueRecord
+from runtime.cnc.turning_speed import turning_speed
 
 CHANGE = 1e-4  # share by which the speed has to change to be ordered anew
-
-
-def turning_speed(velocity: float, radius: float, limit: float) -> float:
-    """rev/min for a cutting speed in mm/min at a radius in mm; `limit` in rev/min, 0: none but infinity."""
-    most = limit if limit > 0.0 else math.inf
-    around = 2.0 * math.pi * abs(radius)
-    return min(velocity / around, most) if around > 0.0 else most
 
 
 class CuttingSpeeds:

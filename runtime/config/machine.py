@@ -29,6 +29,7 @@ from runtime.config.nct import NctParameters
 from runtime.config.quantities import UnitError, parse_quantity
 from runtime.config.quantity_fields import Acceleration, Jerk, Length, Seconds, Velocity, VelocityStep
 from runtime.diagnostics.catalogue import configuration as errors
+from runtime.diagnostics.catalogue import spindle
 from runtime.diagnostics.errors import Problem
 
 __all__ = [
@@ -46,6 +47,7 @@ __all__ = [
     "Location",
     "Machine",
     "SimulatedServo",
+    "TurningAxis",
     "UnitError",
     "parse_quantity",
 ]
@@ -133,6 +135,19 @@ class FeedHoldRamp(Model):
     ramp_time: Annotated[Seconds, Field(gt=0)] | None = None  # P-AXIS-00081, in which it builds up
 
 
+class TurningAxis(Model):
+    """What an axis is for turning (P-AXIS-00015): the facing axis moves across the turning axis."""
+
+    kind: Literal["facing", "longitudinal"]
+    diameter_absolute: bool = True  # P-AXIS-00058, with G51 its values are diameters under G90
+    diameter_incremental: bool = False  # P-AXIS-00059, the same under G91
+
+    @property
+    def facing(self) -> bool:
+        """Its values are distances from the turning centre."""
+        return self.kind == "facing"
+
+
 class GearStage(Model):
     """Dynamic data of a gear stage of a spindle (M40 is stage 1)."""
 
@@ -165,6 +180,7 @@ class Axis(Model):
     drive: Drive | None = None
     compensation: Compensation | None = None
     fir_filter: FirFilter | None = None  # of the set-points of the path (#FILTER)
+    turning: TurningAxis | None = None
     gear_stages: Several[GearStage] = Field(default=(), max_length=6)  # of a spindle; without: one stage
 
     @property
@@ -177,6 +193,9 @@ class Axis(Model):
         if self.position_min is not None and self.position_max is not None and self.position_min >= self.position_max:
             values = {"axis": self.name, "minimum": self.position_min, "maximum": self.position_max}
             raise ContradictionError([Contradiction(errors.LIMITS_REVERSED, ("position_min",), values)])
+        if self.turning is not None and self.type is not AxisType.LINEAR:
+            values = {"axis": self.name, "type": self.type.value}
+            raise ContradictionError([Contradiction(spindle.TURNING_LINEAR, ("turning",), values)])
         return self
 
 

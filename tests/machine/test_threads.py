@@ -29,7 +29,7 @@ def off_the_groove(told: Told, part: slice, pitch: float, offset: float, sense: 
     """How far (mm) the tool is off the helix with this pitch that begins at FROM where the spindle is at `offset`."""
     turned = sense * (told.angle[part] - offset) / DEGREES * pitch
     way = FROM - told.axes[part, 2]
-    return (way - turned + pitch / 2.0) % pitch - pitch / 2.0  # type: ignore[no-any-return]
+    return (way - turned + pitch / 2.0) % pitch - pitch / 2.0
 
 
 def in_the_middle(told: Told, part: slice, clear: float) -> slice:

@@ -28,6 +28,7 @@ from runtime.cnc.decoder.motion import (
     straight,
     target,
 )
+from runtime.cnc.decoder.turning import halved
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock
 from runtime.cnc.language.isg.words import WordKind
@@ -252,7 +253,9 @@ def _coordinate(x: Execution, axis: int, start: float) -> float | None:
     """A programmed coordinate of the target, absolute in mm; None if it is not programmed."""
     if axis not in x.axis_words:
         return None
-    value = x.axis_value(axis, x.axis_words[axis])
+    words = {axis: x.axis_value(axis, x.axis_words[axis])}
+    halved(x, words)
+    value = words[axis]
     return start + value if x.incremental_words.get(axis, x.modal.incremental) else value
 
 

@@ -188,6 +188,7 @@ class WordBlocks:
         x.sections.before(x, block)
         functions = functions_of(block, values, x)
         x.sections.tell_feed(x)
+        x.turning.tell(x, block)
         actions = self._actions(block, values, functions, [c for c in calls if G_FUNCTIONS[c.number].last])
         x.independent.of_block.clear()
         give_jobs(x, block, values)

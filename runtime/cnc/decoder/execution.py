@@ -38,6 +38,7 @@ from runtime.cnc.decoder.spindle_sections import SpindleSections
 from runtime.cnc.decoder.spindles import Spindles
 from runtime.cnc.decoder.steps import CONTROLS, ENDS_STEP, Steps
 from runtime.cnc.decoder.tooling import Tooling
+from runtime.cnc.decoder.turning import Turning
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.dynamic_settings import CornerDeceleration
 from runtime.cnc.language.errors import CalculationError, ProgramError
@@ -168,6 +169,7 @@ class Execution:
         self.block_waits_for_jobs = False
         self.spindles = Spindles(setup.spindles, setup.main_spindle, setup.main_name, setup.start_m)
         self.sections = SpindleSections()  # in which path and spindle move together
+        self.turning = Turning()
         self.speed_argument = 0  # G function of the block in work whose argument S is, 0 if it is a speed
         self.dwell_revolutions = 0.0  # of the last G04 S
         self.circle: tuple[list[float], list[float], float] = ([0.0] * 3, [0.0, 0.0], 0.0)  # V.G.I/J/K, V.G.MERR, V.G.R
@@ -340,6 +342,8 @@ class Execution:
             and not self.independent.running
             and not self.coupling.slaves
             and not self.sections.watches
+            and not self.turning.watches
+            and not self.modal.diameter
         )
 
     def take_path_start(self) -> list[float]:

@@ -70,6 +70,7 @@ class ModalState:
     radius: float | None = None  # mm, of circles by radius; negative for the longer arc
     centre: dict[int, float] = field(default_factory=dict)  # I 0, J 1, K 2 that hold on, mm (P-CHAN-00159)
     speed: float = 0.0  # rev/min of the main spindle
+    diameter: bool = False  # G51, G52
     exact_stop: bool = False  # G360, G359
     contouring: bool = False  # G261, G260
     feeds_forward: bool = False  # G135, G137

@@ -15,6 +15,7 @@ from runtime.cnc.decoder.feed_change import changing_arc, changing_line
 from runtime.cnc.decoder.independent import wait_before_motion
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion, Plane
 from runtime.cnc.decoder.modulo import modulo_end
+from runtime.cnc.decoder.turning import halved
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, Values
 from runtime.cnc.language.motion_words import MotionBlock, WordKind
@@ -57,6 +58,7 @@ def target(x: Execution, block: MotionBlock) -> list[float]:
     turn; without a sign it takes the shorter way (line 29123).
     """
     words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
+    halved(x, words)
     directions = _directions(x, block, words) if block.signs or x.modulo.ranges else {}
     end = x.coordinates.target(words, x.incremental_words or x.modal.incremental)
     for axis, programmed in words.items():

@@ -6,6 +6,7 @@ from runtime.cnc.decoder.coordinates import Rotation
 from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.smoothing import select_contouring
+from runtime.cnc.decoder.turning import offset_of
 from runtime.diagnostics.catalogue import language as catalogue
 
 # Signs of the first two main axes by G number; values of the third are never mirrored, in no plane (line 4139).
@@ -16,7 +17,7 @@ def select_zero_offset(x: Execution, index: int) -> None:
     """Make a stored data set the active one; it acts with the next absolute word of each axis."""
     x.modal.zero_offset = index
     stored, enabled = x.memory.zero_offsets[index], x.memory.zero_enabled[index]
-    x.coordinates.offsets.zero = [float(v) for v in stored * enabled]
+    x.coordinates.offsets.zero = [offset_of(x, k, float(v)) for k, v in enumerate(stored * enabled)]
     x.coordinates.update()
 
 

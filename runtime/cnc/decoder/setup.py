@@ -30,7 +30,7 @@ from runtime.config.channel.synchronisation import (
 )
 from runtime.config.external import ExternalLayout
 from runtime.config.fir_filter import FirFilter
-from runtime.config.machine import AxisType, Machine
+from runtime.config.machine import AxisType, Machine, TurningAxis
 from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
@@ -248,6 +248,9 @@ class DecoderSetup:
     main_spindle: int = 0  # index of the configured one
     main_name: str = ""  # P-CHAN-00053
     gear_change: bool = False  # P-CHAN-00052
+    turning: tuple[TurningAxis | None, ...] = ()  # (n,): what the axes are in turning
+    offset_diameters: bool = False  # P-CHAN-00091
+    cutting_feet: bool = False  # P-CHAN-00360
     spindle_m_free: bool = False  # P-CHAN-00098
     areas: Mapping[str, int] = field(default_factory=dict)  # axis of the channel → index among those of the machine
     poly_jerk: int = 1  # P-CHAN-00110
@@ -295,6 +298,9 @@ class DecoderSetup:
             main_spindle=next((i for i, s in enumerate(spindles) if s.log_axis == parameters.main_spindle_ax_nr), 0),
             main_name=parameters.main_spindle_name,
             gear_change=parameters.main_spindle_gear_change,
+            turning=tuple(axis.turning for axis in axes),
+            offset_diameters=parameters.versch_im_durchm,
+            cutting_feet=parameters.enable_unit_feet_cut_speed,
             spindle_m_free=parameters.spindle_m_fct_free,
             areas={name: machine.axis_index(name) for name in described.axes},
             log_axes=tuple(axis.log_axis for axis in axes),

@@ -81,6 +81,7 @@ class Spindles:
 
     def choose_main(self, x: Execution, index: int | None) -> None:
         """#MAIN SPINDLE: another spindle, or the configured one again; each keeps its own speed."""
+        x.turning.end(x)
         self.main = self._configured if index is None else index
         x.modal.speed = self.main_programmed.speed
 

@@ -9,6 +9,7 @@ from runtime.cnc.decoder.modal import TAPPING
 from runtime.cnc.decoder.spindle_commands import HOMING_G, argument_of_main, bracket_commands, enter_spindle_m
 from runtime.cnc.decoder.spindles import FIRST_GEAR, SpindleWords, free_number
 from runtime.cnc.decoder.threads import take_offset, take_speed
+from runtime.cnc.decoder.turning import LIMIT_G
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.compiler import CompiledBlock, FunctionSlots, Values
 from runtime.cnc.language.isg.functions import round_half_up
@@ -85,6 +86,10 @@ def _main_spindle(
             x.speed_argument = HOMING_G
         if x.modal.motion in TAPPING and not x.speed_argument:
             take_speed(x, values[block.speed], words.column)
+        elif x.speed_argument == LIMIT_G:
+            x.turning.take_limit(x, values[block.speed], words.column)
+        elif x.turning.cutting and not x.speed_argument:
+            words.speed = x.turning.take_velocity(x, values[block.speed], words.column)
         elif x.speed_argument:
             argument_of_main(x, words, values[block.speed])
         else:

@@ -123,6 +123,18 @@ CUTTING_SPEED = ErrorEntry(
     reaction=Reaction.STOP_AT_BLOCK_END,
     source="programming manual, line 23209",
 )
+PSET_DIAMETER = ErrorEntry(
+    313018,
+    "#{name} while G51 is active",
+    reaction=Reaction.STOP_AT_BLOCK_END,
+    remedy="G52 in front of it",
+    source="programming manual, line 12895",
+)
+TURNING_LINEAR = ErrorEntry(
+    313019,
+    "Axis {axis}: `turning` belongs to a linear axis, its type is {type}",
+    remedy="Take `turning` away, or correct the type.",
+)
 # told by the cycle
 THREAD_NOT_FOLLOWED = ErrorEntry(
     313100,

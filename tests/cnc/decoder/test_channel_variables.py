@@ -186,8 +186,6 @@ def test_the_method_of_contouring() -> None:
         ("EDM_ACTIVE", ("#EDM ON",)),
         ("FRICTION_ACTIVE", ("#FRICTION ON [X]",)),
         ("VECTOR_OFFSET_ACTIVE", ("#VECTOR OFFSET ON",)),
-        ("DIAMETER_PROG_ACTIVE", ("G51",)),
-        ("DIAMETER_PROG.ZERO_OFFSET", ("G51",)),
         ("GEAR_LINK_ACTIVE", ("#GEAR LINK ON [TARGETNR=5 AXNR1=6]",)),
         ("SINGUL_AVOID_ACTIVE", ("#SINGULARITY AVOIDANCE ON",)),
         ("BLOCK_SEARCH_ACTIVE", ()),

@@ -44,7 +44,7 @@ STATIC: list[tuple[str, ErrorEntry, int, int]] = [
     ("X50P1=7\nM30", C.AXIS_UNKNOWN, 1, 1),
     ("S2=500\nM30", C.SPINDLE_UNKNOWN, 1, 1),
     ("N1 G777\nM30", C.G_UNKNOWN, 1, 4),
-    ("N1 G51 X5\nM30", C.G_UNSUPPORTED, 1, 4),
+    ("N1 G66 X5\nM30", C.G_UNSUPPORTED, 1, 4),
     ("G00 X1 G01\nM30", C.G_GROUP_TWICE, 1, 8),
     ("G90 X1 G90\nM30", C.G_GROUP_TWICE, 1, 8),
     ("G17 G18\nM30", C.G_GROUP_TWICE, 1, 5),
@@ -191,7 +191,7 @@ def test_nothing_is_decoded_of_a_file_with_a_fault_at_its_end() -> None:
 
 
 def test_all_faulty_lines_are_told_but_not_more_than_twenty() -> None:
-    assert [line for _, line, _ in found("G777\nX1\nM77\nG51\nM30")] == [1, 3, 4]
+    assert [line for _, line, _ in found("G777\nX1\nM77\nG66\nM30")] == [1, 3, 4]
     assert len(problems("G777\n" * 50 + "M30")) == 20
 
 

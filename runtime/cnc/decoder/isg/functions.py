@@ -19,6 +19,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     g_spindle,
     g_threads,
     g_transition,
+    g_turning,
     g_weights,
     hsc,
     machine_coordinates,

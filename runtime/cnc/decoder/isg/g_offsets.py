@@ -9,11 +9,13 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.isg.registry import GCall, StatementCall, g_function, statement
 from runtime.cnc.decoder.memory import ZERO_OFFSET_SETS
 from runtime.cnc.decoder.selection import select_zero_offset
+from runtime.cnc.decoder.turning import offset_of
 from runtime.cnc.language.isg.comments import LineError
 from runtime.cnc.language.isg.functions import round_half_up
 from runtime.cnc.language.isg.syntax import Form, Group, Key, KeyKind, Values
 from runtime.cnc.language.isg.words import WordKind
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import spindle
 
 
 def _zero_offset(number: int) -> None:
@@ -69,6 +71,7 @@ def reference_offset(x: Execution, call: GCall) -> None:
     """Absolute with G90, added to what is there with G91."""
     reference = x.coordinates.offsets.reference
     for axis, value in x.arguments(92, call.column).items():
+        value = offset_of(x, axis, value)
         reference[axis] = reference[axis] + value if x.modal.incremental else value
     x.coordinates.update()
 
@@ -117,6 +120,8 @@ _limits(99, 1)
 
 
 def _preset_allowed(x: Execution, call: StatementCall) -> None:
+    if x.modal.diameter:
+        raise call.error(spindle.PSET_DIAMETER, name=call.syntax.name)
     if any(sign < 0 for sign in (*x.coordinates.mirror_plane, *x.coordinates.mirror_axis)):
         raise call.error(catalogue.PRESET_MIRRORED)
 

@@ -72,9 +72,6 @@ KNOWN = {
     "V.A.ENCODER2_VALUE": "second encoders",
     "V.A.ANTR_TYP": "drive types",
     "V.A.TORQUE_NOM": "drive data",
-    # spindles (lines 21767–21802)
-    "V.SPDL_PROG.MAX_SPEED": "constant cutting speed",
-    "V.SPDL_PROG.CONST_CUT_SPEED": "constant cutting speed",
 }
 
 

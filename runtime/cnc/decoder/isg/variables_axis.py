@@ -17,7 +17,7 @@ _STATUS = "isg.var.a-axis-status"
 _MODULO_VARIABLES = "isg.modulo.variables"
 _COMPENSATIONS = "isg.var.a-compensations"
 _LENGTH = "mm, inch, deg"
-_LINEAR, _MODULO = 0x1, 0x4  # axis modes (P-AXIS-00015)
+_LINEAR, _MODULO, _FACING, _LONGITUDINAL = 0x1, 0x4, 0x40, 0x80  # axis modes (P-AXIS-00015)
 
 
 # ---------------------------------------------------------------------------------------------------- coordinates
@@ -109,10 +109,14 @@ def referenced(x: Execution, axis: int) -> float:
     return float(x.outside.referenced(axis))
 
 
-@variable("V.A.MODE.<axis>", _MODULO_VARIABLES, "axis mode as it is described: 1 linear, 4 turns without end")
+@variable(
+    "V.A.MODE.<axis>", _MODULO_VARIABLES, "axis mode: 1 linear (+64 facing, +128 longitudinal), 4 turns without end"
+)
 def mode(x: Execution, axis: int) -> float:
     if x.setup.linear[axis]:
-        return float(_LINEAR)
+        described = x.setup.turning[axis] if x.setup.turning else None
+        kind = 0 if described is None else _FACING if described.facing else _LONGITUDINAL
+        return float(_LINEAR | kind)
     if axis not in x.modulo.configured:
         purpose = "the mode of a rotary axis with limits"
         raise CalculationError(catalogue.VARIABLE_UNSUPPORTED, "V.A.MODE", purpose=purpose)
@@ -129,15 +133,16 @@ def parked(x: Execution, axis: int) -> float:
     return float(x.outside.parked(axis))
 
 
-def _diameter(kind: str) -> None:
-    @variable(f"V.A.DIAMETER_PROG.{kind}.<axis>", _STATUS, "0: this control has no diameter programming")
-    def read(x: Execution, axis: int) -> float:
-        require_absent(f"V.A.DIAMETER_PROG.{kind}", (), (51,))
-        return 0.0
+@variable("V.A.DIAMETER_PROG.ABS.<axis>", _STATUS, "1: with G51 and G90 values of the axis are diameters now")
+def diameter_absolute(x: Execution, axis: int) -> float:
+    described = x.setup.turning[axis] if x.modal.diameter and x.setup.turning else None
+    return float(described is not None and described.facing and described.diameter_absolute)
 
 
-_diameter("ABS")
-_diameter("REL")
+@variable("V.A.DIAMETER_PROG.REL.<axis>", _STATUS, "1: with G51 and G91 values of the axis are diameters now")
+def diameter_incremental(x: Execution, axis: int) -> float:
+    described = x.setup.turning[axis] if x.modal.diameter and x.setup.turning else None
+    return float(described is not None and described.facing and described.diameter_incremental)
 
 
 @variable("V.A.GEAR_LINK_ACTIVE.<axis>", _STATUS, "0: this control does not have the function", flush=True)

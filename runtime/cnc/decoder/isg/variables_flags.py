@@ -42,6 +42,19 @@ def machine_coordinates(x: Execution) -> float:
     return float(x.systems.mcs is not None)
 
 
+@variable("V.G.DIAMETER_PROG_ACTIVE", _SPEC, "1 between G51 and G52")
+def diameters(x: Execution) -> float:
+    return float(x.modal.diameter)
+
+
+@variable(
+    "V.G.DIAMETER_PROG.ZERO_OFFSET", _SPEC, "1 with G51 where offsets of the facing axis are diameters (P-CHAN-00091)"
+)
+def diameter_offsets(x: Execution) -> float:
+    facing = any(described is not None and described.facing for described in x.setup.turning)
+    return float(x.modal.diameter and facing and x.setup.offset_diameters)
+
+
 # Flag → what would switch the function on: beginnings of statements, G numbers.
 ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "TRAFO_ACTIVE": (("TRAFO",), ()),
@@ -53,8 +66,6 @@ ABSENT: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "EDM_ACTIVE": (("EDM",), ()),
     "FRICTION_ACTIVE": (("FRICTION",), ()),
     "VECTOR_OFFSET_ACTIVE": (("VECTOR OFFSET",), ()),
-    "DIAMETER_PROG_ACTIVE": ((), (51,)),
-    "DIAMETER_PROG.ZERO_OFFSET": ((), (51,)),
     "GEAR_LINK_ACTIVE": (("GEAR LINK",), ()),
     "SINGUL_AVOID_ACTIVE": (("SINGULARITY",), ()),
 }

@@ -82,6 +82,18 @@ def dwell_revolutions(x: Execution, spindle: int) -> float:
     return x.dwell_revolutions
 
 
+@variable("V.SPDL_PROG.MAX_SPEED.<spindle>", _SPEC, "G196: greatest speed while G96 holds, 0: none", unit="rev/min")
+def greatest_speed(x: Execution, spindle: int) -> float:
+    _require_main(x, spindle, "V.SPDL_PROG.MAX_SPEED")
+    return x.turning.limit
+
+
+@variable("V.SPDL_PROG.CONST_CUT_SPEED.<spindle>", _SPEC, "cutting speed of G96, 0: none", unit="m/min or ft/min")
+def cutting_speed(x: Execution, spindle: int) -> float:
+    _require_main(x, spindle, "V.SPDL_PROG.CONST_CUT_SPEED")
+    return x.turning.velocity / x.turning.unit(x)
+
+
 @variable("V.SPDL_PROG.GEAR_LINK_ACTIVE.<spindle>", _SPEC, "0: this control does not have the function", flush=True)
 def gear_link(x: Execution, spindle: int) -> float:
     require_absent("V.SPDL_PROG.GEAR_LINK_ACTIVE", ("GEAR LINK",), ())

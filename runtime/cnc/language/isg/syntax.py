@@ -44,6 +44,8 @@ class Group(Enum):
     MASKING = "contour masking"
     CONTOURING = "polynomial contouring"
     SPLINE = "spline"
+    DIAMETER = "diameter or radius"
+    CUTTING_SPEED = "meaning of S"
     NONE = ""  # excludes nothing
 
 
