@@ -8,10 +8,10 @@ import pytest
 
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import axes, motion
-from runtime.hli.layout import State
+from runtime.hli.layout import ManualMode, State
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
-from tests.machine.test_modes import with_channel
+from tests.machine.test_modes import Hand, with_channel
 
 BEYOND = 660.0  # mm: the limit of X is 650
 
@@ -83,6 +83,27 @@ def test_an_axis_that_stands_a_little_beyond(
         driven.watch(10)
         assert run(driven, "%T\nG90 G01 F9000 X640 Y0\nM30\n") == []
         assert place(driven) == [640, 0, 0]
+
+
+@pytest.mark.spec("chan.sls.command-side")
+@pytest.mark.parametrize(("relative", "mask", "furthest"), [(True, 0x2, 60.0), (True, 0x0, 50.0), (False, 0x2, 50.0)])
+def test_without_monitoring_the_hand_beside_the_path_has_its_relative_limits(
+    demo: Machine, tmp_path: Path, relative: bool, mask: int, furthest: float
+) -> None:
+    """Y stands at 0, its software limit is -50; without relative limits that one stays."""
+    driven = make(demo, tmp_path, suppress_soft_limit_monitoring_axes=mask)
+    hand = Hand(driven)
+    limits = "#MANUAL LIMITS [AX=Y NEGATIVE=-60 POSITIVE=60]\n" if relative else ""
+    driven.start(f"%T\n{limits}G90 G01 F1000 X1\nG201 Y1\nX400\nM30\n")
+    driven.until_x(2.0)
+    hand.parameter("continuous_parameter", 2, velocity=100.0)
+    hand.link(2, 2, ManualMode.CONTINUOUS)
+    hand.press(2, 0)
+    hand.press(2, -1)
+    driven.watch(3000)
+    assert place(driven)[0] < 100
+    assert driven.channel.beside.by_hand[1] == pytest.approx(-furthest, abs=1e-3)
+    assert driven.alarms == []
 
 
 @pytest.mark.spec("chan.sls.programmed")
