@@ -17,6 +17,7 @@ import numpy.typing as npt
 from runtime.cnc.dynamic_settings import DynamicSettings
 from runtime.cnc.filter_settings import FilterSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
+from runtime.cnc.geometry.control_areas import ControlArea
 from runtime.cnc.geometry.frames import Frame
 from runtime.hli.axis_jobs import Job
 
@@ -399,6 +400,18 @@ class SoftwareLimitChange:
     source: Source
     limits: tuple[tuple[float, float], ...]
     behaviour: tuple[LimitBehaviour, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ControlAreaChange:
+    """#CONTROL AREA: these work and protection spaces are watched from here on; `tool` (n_axes,): offsets of the tool.
+
+    Where the axes are without the offsets of the tool, its tip is. Taken by the stage that watches; it does not reach the queue.
+    """
+
+    source: Source
+    areas: tuple[ControlArea, ...]
+    tool: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -1143,6 +1156,7 @@ Block = (
     | StepEnd
     | StopMark
     | SoftwareLimitChange
+    | ControlAreaChange
     | ActualLimit
     | DynamicsChange
     | RadiusCompensation

@@ -1,7 +1,7 @@
 """The stages between the decoder and the motion queue, in their order: what a check, a simulation and a machine do alike.
 
 decoder ─ late synchronisation ─ radius compensation ─ rotated frames ─ arcs in space ─ smoothing ─ corner deceleration
-        ─ software limits ─ micro-joints, if the channel has them ─▶
+        ─ software limits ─ work and protection spaces ─ micro-joints, if the channel has them ─▶
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from runtime.cnc.blocks import Block
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.path_preparation import (
+    ControlAreas,
     CornerDecelerations,
     Frames,
     LateSynchronisation,
@@ -39,5 +40,5 @@ def prepared(
     """
     compensated = ToolRadiusCompensation()(late(blocks))
     smoothed = smooth(SpatialArcs()(Frames()(compensated)), axes, warnings)
-    limited = limits(coupled_limits(CornerDecelerations()(smoothed), limits.configured), warnings)
+    limited = ControlAreas()(limits(coupled_limits(CornerDecelerations()(smoothed), limits.configured), warnings))
     return limited if joints is None else MicroJoints(joints, warnings)(limited)

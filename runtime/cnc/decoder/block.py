@@ -17,6 +17,7 @@ from runtime.cnc.blocks import Block, DynamicsChange, Flush, FlushKind, Source, 
 from runtime.cnc.decoder import additions, cycles
 from runtime.cnc.decoder.axis_jobs import give_jobs, wait_for_jobs
 from runtime.cnc.decoder.block_functions import Functions
+from runtime.cnc.decoder.control_areas import contour_block, tell
 from runtime.cnc.decoder.couplings import expect_no_slave, restore
 from runtime.cnc.decoder.declarations import declare
 from runtime.cnc.decoder.execution import Execution
@@ -69,6 +70,8 @@ class WordBlocks:
         select_zero_offset(self._x, self._x.memory.zero_default)
         begin_with_tools(self._x)
         restore(self._x)
+        if self._x.memory.active_areas:
+            tell(self._x)
         for number in self._x.setup.start_g:
             if number in _END_WHAT_IS_ABSENT and number not in G_FUNCTIONS:
                 continue
@@ -184,6 +187,9 @@ class WordBlocks:
         self, frame: Frame | None, entry: int, block: CompiledBlock, values: Values, calls: list[GCall]
     ) -> None:
         x = self._x
+        if x.open_area is not None:
+            contour_block(x, block)
+            return
         x.compensation.follow(x)
         x.sections.before(x, block)
         functions = functions_of(block, values, x)

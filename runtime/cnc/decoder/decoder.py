@@ -38,6 +38,7 @@ from runtime.cnc.language.isg.index import MIDDLE, Unit
 from runtime.cnc.language.isg.words import WordKind
 from runtime.cnc.search_target import BlockSearch
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue.control_areas import SPACE_OPEN
 from runtime.diagnostics.errors import ErrorEntry, Problem
 
 POLL = 256  # executed entries between two questions whether to go on
@@ -149,6 +150,10 @@ class Decoder:
                 if not unit.has(entry, frame.section):
                     if len(x.frames) == 1 and x.line_waits:
                         self._expect_no_line(unit)
+                    if len(x.frames) == 1 and x.open_area is not None:
+                        place = unit.place(x.open_area.line)
+                        number = x.open_area.number
+                        raise ProgramError(SPACE_OPEN, place, number=number, what="#CONTROL AREA END is missing")
                     self._levels.end_of_section()
                     yield from self._handed_over()
                     continue

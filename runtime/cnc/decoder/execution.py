@@ -17,6 +17,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Block, BlockEnd, Dwell, ExactStop, Floats, LimitBehaviour, Polyline, Source, StepEnd
 from runtime.cnc.decoder.contour_lines import ContourLines
+from runtime.cnc.decoder.control_areas import OpenArea
 from runtime.cnc.decoder.coordinates import Coordinates, Rotation
 from runtime.cnc.decoder.coupling_state import ActiveCouplings
 from runtime.cnc.decoder.environment import DecoderEnvironment
@@ -116,6 +117,7 @@ class Execution:
         )
         self.coordinates = Coordinates.at(start)
         self.systems = setup.systems()
+        self.open_area: OpenArea | None = None  # between #CONTROL AREA BEGIN and END
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)
         self.program_scope = Scope("V.P.", setup.limits.program_variables)
@@ -344,6 +346,7 @@ class Execution:
             and not self.sections.watches
             and not self.turning.watches
             and not self.modal.diameter
+            and self.open_area is None
         )
 
     def take_path_start(self) -> list[float]:

@@ -10,6 +10,7 @@
     compensation registers, the common offset             what was read from a register
     intermediate points of G28 and G30
     synchronisation of M and H functions                  loops, modal cycles, single-step locks
+    work and protection spaces, which are active          coordinate systems
 
 The table is true because the first column is in `ChannelMemory` and the second in `Execution`, which is made per start.
 """
@@ -25,6 +26,7 @@ from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.common_variables import CommonVariables
 from runtime.cnc.decoder.setup import DecoderSetup, Pairs
 from runtime.cnc.decoder.user_variables import Scope
+from runtime.cnc.geometry.control_areas import ControlArea
 from runtime.cnc.language.isg.compiler import Parameters
 from runtime.cnc.tools.offset_table import COMMON, MemoryOffsets, OffsetTable, WorkOffset
 from runtime.cnc.tools.table import MemoryTools, ToolTable
@@ -85,6 +87,8 @@ class ChannelMemory:
         self.coupled: tuple[int, ...] = ()  # groups that are active, or were when the last program was over
         self.common = CommonVariables(protected=setup.nct.protected)  # of the NCT dialect
         self.timer_begin = 0.0  # ms of the runtime at which #3001 would be 0
+        self.control_areas: dict[int, ControlArea] = {}  # defined by #CONTROL AREA
+        self.active_areas: list[int] = []  # in the order of their selection
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
         self.parameter_arrays: Scope | None = None

@@ -12,7 +12,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from runtime.cnc.blocks import ToolRadius
+import numpy as np
+
+from runtime.cnc.blocks import Floats, ToolRadius
+from runtime.cnc.decoder.control_areas import tell
 from runtime.cnc.decoder.modal import PLANE_AXES
 from runtime.cnc.tools.tool import NO_TOOL, Tool, ToolId
 
@@ -81,12 +84,22 @@ class Tooling:
         if changed:
             coordinates.offsets.tool = offsets
             coordinates.update()
+        if self._x.memory.active_areas:  # another tool is somewhere else
+            tell(self._x)
         return changed
 
     def assign_length(self, axis: int, sign: float) -> None:
         """#TLAX: the length acts in an axis, with a sign; -1: in the third axis of the plane."""
         self.length_axis, self.length_sign = axis, sign
         self.assigned()
+
+    def mounted(self) -> Floats:
+        """By how much the tip of the tool lies beside the axes, (n_axes,), whatever of it counts in the coordinates."""
+        offsets = [self.active.value("offsets", axis) for axis in range(len(self._x.setup.axes))]
+        axis = self.length_axis if self.length_axis >= 0 else 3 - sum(PLANE_AXES[self._x.modal.plane])
+        if axis < len(offsets):
+            offsets[axis] += self.length_sign * self.active.length
+        return np.array(offsets)
 
     def leave_out(self, *, until_next: bool) -> None:
         """Length and offsets do not count, until `take_in` or (`until_next`) the next D word."""

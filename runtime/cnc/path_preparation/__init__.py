@@ -1,6 +1,7 @@
 """Path preparation: what happens to blocks between the decoder and the motion queue."""
 
 from runtime.cnc.path_preparation.block_search import BlockSearchStage
+from runtime.cnc.path_preparation.control_areas import ControlAreas
 from runtime.cnc.path_preparation.corner_deceleration import CornerDecelerations
 from runtime.cnc.path_preparation.errors import PathError, SoftwareLimitError
 from runtime.cnc.path_preparation.frames import Frames
@@ -13,6 +14,7 @@ from runtime.cnc.path_preparation.spatial_arcs import SpatialArcs
 
 __all__ = [
     "BlockSearchStage",
+    "ControlAreas",
     "CornerDecelerations",
     "Frames",
     "LateSynchronisation",

@@ -7,6 +7,7 @@ radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single
 315xxx.
 radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx,
 turning, threads and tapping 313xxx.
+and spaces 315xxx.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from runtime.diagnostics.catalogue import (
     block_search,
     commissioning,
     configuration,
+    control_areas,
     coordinates,
     fieldbus,
     language,
@@ -60,6 +62,7 @@ _AREAS: tuple[ModuleType, ...] = (
     coordinates,
     nct_macros,
     spindle,
+    control_areas,
 )
 
 

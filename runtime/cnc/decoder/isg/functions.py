@@ -6,6 +6,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     axis_position,
     axis_rotary,
     contouring,
+    control_areas,
     coordinate_systems,
     filters,
     g_calls,
