@@ -452,6 +452,8 @@ def corner_curves(
 @warms("contour curves")
 def _warm_up() -> None:
     ones = np.ones(2)
+    element = np.ones(1, dtype=ELEMENT)  # splines ask for one from outside of the kernels
+    element_at(element[0], 1.0, 2, ones, ones, ones)
     corner_curves(
         np.zeros(2, dtype=ELEMENT), np.zeros(1, dtype=SETTINGS), ones, ones, ones, np.zeros(1, dtype=np.int64),
         np.zeros((1, 2)), np.zeros((1, PIECES, TERMS, 2)),
