@@ -16,7 +16,7 @@ import pytest
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled here")  # type: ignore[attr-defined]
 def test_no_kernel_gets_a_signature_that_the_warm_up_has_not_given_it() -> None:
-    """Plate with drives, fieldbus and recorder; contouring, splines, filter, compensation, backward motion, hold, single block."""
+    """Plate with drives and recorder; contouring, splines, filter, compensation, backward motion, hold, single block."""
     done = subprocess.run(
         [sys.executable, "-m", "tests.compiled_in_use"], capture_output=True, text=True, check=False, env=os.environ
     )
