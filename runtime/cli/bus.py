@@ -16,10 +16,11 @@ from runtime.config.loader import load_machine
 from runtime.config.machine import Bus
 from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.commissioning import Commissioning
-from runtime.fieldbus.dictionaries import read_dictionary
+from runtime.fieldbus.dictionaries import load_dictionary
 from runtime.fieldbus.lss import Identity
 from runtime.fieldbus.survey import describe, eds_files, survey
 
+IDENTIFYING = ("0x1000", "0x1018:1", "0x1018:2")  # device type, vendor, product
 _PAUSE = 0.0005  # s between two looks at the bus
 
 app = typer.Typer(
@@ -105,7 +106,7 @@ def eds(
     name: Named = "",
 ) -> None:
     """Compare a node with its EDS file: identity, objects it does not have, constants. Exit code 1 if they differ."""
-    od = read_dictionary(str(file), node)
+    od = load_dictionary(str(file), node, "on the bus")
     with open_bus(_bus_of(config, channel, name)) as bus:
         differences = list(Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE)).compare(node, od))
     for difference in differences:
@@ -113,6 +114,8 @@ def eds(
             f"{difference.object} {difference.name}: {difference.expected} in the file, {difference.found} in the node"
         )
     print(f"{len(differences)} differences" if differences else f"node {node} is what {file.name} describes")
+    if any(difference.object in IDENTIFYING for difference in differences):
+        print(f"{file.name} is the file of another device")
     raise typer.Exit(1 if differences else 0)
 
 

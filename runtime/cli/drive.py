@@ -24,7 +24,7 @@ from runtime.fieldbus.bus import open_bus
 from runtime.fieldbus.cia402 import drive_state
 from runtime.fieldbus.commissioning import Commissioning
 from runtime.fieldbus.described import DRIVE_EDS, eds_path
-from runtime.fieldbus.dictionaries import read_dictionary
+from runtime.fieldbus.dictionaries import load_dictionary
 from runtime.fieldbus.error_codes import emergency_text
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.jog import (
@@ -82,7 +82,7 @@ def _objects(config: Path | None, name: str) -> Iterator[tuple[Axis, canopen.Obj
     machine = load_machine(config)
     axis = drive_of(machine, name)
     assert axis.drive is not None
-    od = read_dictionary(eds_path(axis.drive.eds, DRIVE_EDS), axis.drive.node)
+    od = load_dictionary(eds_path(axis.drive.eds, DRIVE_EDS), axis.drive.node, f"axis {axis.name}")
     with open_bus(bus_of(machine, axis)) as bus:
         commissioning = Commissioning(bus, time.monotonic, lambda: time.sleep(_PAUSE))
         commissioning.refuse_a_master()
@@ -141,7 +141,7 @@ def objects(
     """The objects of the drive's EDS file: index, name, type, access. Needs no bus."""
     described = drive_of(load_machine(config), axis)
     assert described.drive is not None
-    od = read_dictionary(eds_path(described.drive.eds, DRIVE_EDS), described.drive.node)
+    od = load_dictionary(eds_path(described.drive.eds, DRIVE_EDS), described.drive.node, f"axis {described.name}")
     table = Table("object", "name", "bits", "access", "low", "high")
     for variable in variables(od):
         if search.lower() in title(variable).lower():

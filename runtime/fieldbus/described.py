@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import configparser
 from collections.abc import Iterator
 from dataclasses import replace
 from importlib import resources
 from typing import Final, TypedDict
 
 import canopen
-from canopen.objectdictionary import ObjectDictionaryError
 
 from runtime.config.machine import Axis, AxisType, Drive, IoNode, Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
@@ -17,7 +15,7 @@ from runtime.drives import DIGITAL_BYTES, DriveMode
 from runtime.fieldbus import cia402, exchange
 from runtime.fieldbus.analogue import AnalogueValues
 from runtime.fieldbus.dialogue import GUARD_TIME, LIFE_TIME_FACTOR, PRODUCER_HEARTBEAT
-from runtime.fieldbus.dictionaries import read_dictionary
+from runtime.fieldbus.dictionaries import load_dictionary
 from runtime.fieldbus.drive_link import NO_TORQUE_LIMIT, PER_MILLE, ExtendedDriveLink
 from runtime.fieldbus.errors import FieldbusError
 from runtime.fieldbus.exchange import DriveNeeds
@@ -253,28 +251,7 @@ def _io_link(
 
 
 def _dictionary(file: str | None, default: str, node: int, owner: str) -> canopen.ObjectDictionary:
-    path = eds_path(file, default)
-    try:
-        od = read_dictionary(path, node)
-    # canopen lets through whatever configparser and int() raise at a broken file
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        AttributeError,
-        TypeError,
-        configparser.Error,
-        ObjectDictionaryError,
-    ) as error:
-        reason = (
-            (isinstance(error, OSError) and error.strerror) or str(error).replace("\n", " ") or type(error).__name__
-        )
-        raise FieldbusError(catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason=reason) from error
-    if not len(od):
-        raise FieldbusError(
-            catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason="it describes no object"
-        )
-    return od
+    return load_dictionary(eds_path(file, default), node, owner)
 
 
 def _layouts(

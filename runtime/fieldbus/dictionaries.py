@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import configparser
 import io
 import os
 import pickle
@@ -9,9 +10,12 @@ from functools import lru_cache
 from pathlib import Path
 
 import canopen
+from canopen.objectdictionary import ObjectDictionaryError
 from canopen.objectdictionary.eds import import_eds
 
+from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.fieldbus import eds_text
+from runtime.fieldbus.errors import FieldbusError
 
 
 def read_dictionary(path: str, node: int) -> canopen.ObjectDictionary:
@@ -21,6 +25,31 @@ def read_dictionary(path: str, node: int) -> canopen.ObjectDictionary:
     """
     copy: canopen.ObjectDictionary = pickle.loads(_pickled(path, node, os.stat(path).st_mtime_ns))
     return copy
+
+
+def load_dictionary(path: str, node: int, owner: str) -> canopen.ObjectDictionary:
+    """The same. Raises FieldbusError for a file that cannot be read, or describes no object."""
+    try:
+        od = read_dictionary(path, node)
+    # canopen lets through whatever configparser and int() raise at a broken file
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        AttributeError,
+        TypeError,
+        configparser.Error,
+        ObjectDictionaryError,
+    ) as error:
+        reason = (
+            (isinstance(error, OSError) and error.strerror) or str(error).replace("\n", " ") or type(error).__name__
+        )
+        raise FieldbusError(catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason=reason) from error
+    if not len(od):
+        raise FieldbusError(
+            catalogue.EDS_UNREADABLE, file=path, node=node, owner=owner, reason="it describes no object"
+        )
+    return od
 
 
 @lru_cache(maxsize=64)

@@ -6,6 +6,7 @@ calls, so that the same objects (SDO server and client, NMT, EMCY) run in a cycl
 
 from __future__ import annotations
 
+import logging
 import struct
 from collections.abc import Callable
 
@@ -13,6 +14,9 @@ import can
 import canopen
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
+
+# What it has to say comes as an exception too, and is told in words of our own; without a handler it would stand between them.
+logging.getLogger("canopen").setLevel(logging.CRITICAL)
 
 Wait = Callable[[Callable[[], bool], float], bool]
 """`wait(condition, seconds)`: let bus and time run until the condition holds; False if the time went by."""

@@ -7,6 +7,7 @@ until somebody has.
 from __future__ import annotations
 
 import configparser
+import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -197,6 +198,9 @@ def describe(surveys: Sequence[Survey], bus: Bus, pitches: Mapping[int, float], 
         f'    channel: "{bus.channel}"',
         f"    bitrate: {bus.bitrate}",
     ]
+    # the bus on which the nodes were found, with whatever else its description says; JSON is YAML
+    further = bus.model_dump(mode="json", exclude_defaults=True, exclude={"interface", "channel", "bitrate"})
+    lines += [f"    {key}: {json.dumps(value)}" for key, value in further.items()]
     if ios:
         lines.append("  io: # a name for each bit that is used, in their order")
     for io in ios:
@@ -217,7 +221,7 @@ def _axis(name: str, number: int, drive: Survey, pitch: float | None, folder: Pa
     yield f"  - name: {name} # {_title(node)}"
     if drive.modes is not None:
         known = [text for mode, text in CYCLIC_MODES.items() if drive.modes >> mode - 1 & 1]
-        yield f"    # modes: {', '.join(known) or 'NO CYCLIC MODE, which the runtime needs'} (0x6502 is 0x{drive.modes:X})"
+        yield f"    # it has {', '.join(known) or 'NO CYCLIC MODE, which the runtime needs'} (0x6502 is 0x{drive.modes:X})"
     yield from (f"    # {pdo} as found: {', '.join(objects)}" for pdo, objects in drive.mapping.items())
     yield "    type: linear # or rotary, spindle"
     yield f"    log_axis: {number}"

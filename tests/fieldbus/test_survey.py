@@ -6,6 +6,7 @@ from pathlib import Path
 
 import can
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -88,7 +89,7 @@ def test_units_of_the_factor_group() -> None:
     assert written(drive()) == "<increments per mm or degree>"
     text = describe([drive(factors=group, max_velocity=400_000, modes=0x180)], Bus(), {5: 5.0}, Path())
     assert "# the drive allows 200 mm/s or degrees/s (0x607F)" in text
-    assert "# modes: cyclic position, cyclic velocity" in text
+    assert "# it has cyclic position, cyclic velocity" in text
     assert "# gear: 5 turns of the motor for 2 of the shaft (0x6091)" in text
     assert "NO CYCLIC MODE" in describe([drive(modes=0x01)], Bus(), {}, Path())
 
@@ -156,3 +157,31 @@ def test_from_the_command_line(
         assert len(load_machine(out).axes) == 4
         assert main(["bus", "scan", "--machine", str(out)]) == 2  # nothing is written over
         assert main(["bus", "scan", "--pitch", "1=wide"]) == 2
+        capsys.readouterr()
+        eds = eds_path(None, DRIVE_EDS)
+        assert main(["bus", "eds", eds, "1"]) == 0
+        assert capsys.readouterr().out == "node 1 is what tandem_cia402.eds describes\n"
+        assert main(["bus", "eds", eds, "10"]) == 1
+        assert capsys.readouterr().out.endswith("differences\ntandem_cia402.eds is the file of another device\n")
+
+
+@pytest.mark.parametrize("content", [b"no EDS at all", b"[DeviceInfo]\nVendorNumber=1\n", b"\xff\x00binary", b""])
+def test_a_file_that_describes_nothing_describes_no_node(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes
+) -> None:
+    """It has nothing in which a node could differ."""
+    file = tmp_path / "some.eds"
+    file.write_bytes(content)
+    assert main(["bus", "eds", str(file), "1"]) == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith(f"303010: EDS file {file} of node 1 (on the bus) cannot be read")
+
+
+def test_the_bus_of_the_description_is_that_of_the_scan() -> None:
+    """With its options: nodes that answered there are found there again."""
+    bus = Bus(
+        interface="udp_multicast", channel="239.1.2.3", options={"port": 51000, "hop_limit": 0}, fd=True, heartbeat=0.05
+    )
+    described = yaml.safe_load(describe([], bus, {}, Path()))
+    assert Bus.model_validate(described["fieldbus"]["bus"]) == bus
