@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+import yaml
 
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.catalogue import plc
@@ -96,6 +97,52 @@ def test_a_killed_process_stops_the_axes_and_is_named(machine: RunningMachine, l
     assert any(victim in alarm.text and "SIGKILL" in alarm.text for alarm in machine.alarms)
     assert machine.stop() == 0
     assert "SIGKILL" in machine.log.read_text()
+
+
+HUNGRY = """
+from pathlib import Path
+
+from runtime.demo.plc import DemoMill
+
+
+class Hungry(DemoMill):
+    def cycle(self):
+        super().cycle()
+        if Path({flag!r}).exists():
+            self.eaten = (*getattr(self, "eaten", ()), b"x" * 8_000_000)
+"""
+
+
+def test_a_plc_program_that_eats_memory_meets_its_limit_and_the_axes_stop(
+    machine: RunningMachine, long_program: Path, tmp_path: Path
+) -> None:
+    """The kernel refuses (RLIMIT_DATA) before the host suffers; the axes brake on the path and keep their positions."""
+    flag = tmp_path / "hungry"
+    (tmp_path / "hungry.py").write_text(HUNGRY.format(flag=str(flag)))
+    description = yaml.safe_load(machine.machine.read_text())
+    description["plc"] |= {"program": "hungry.py", "memory": 64}
+    machine.machine.write_text(yaml.safe_dump(description))
+    machine.start()
+    machine.order(long_program)
+    machine.wait_for(lambda: moving(machine), "motion")
+    victim = machine.pid_of("PLC")
+    flag.touch()
+    machine.wait_for(lambda: machine.channel_state() is State.ERROR, "the alarm")
+    machine.wait_for(lambda: at_rest(machine), "standstill")
+    machine.wait_for(lambda: machine.has_alarm(plc.PLC_RAISED.id), "the alarm with the line of the program")
+    assert any("MemoryError" in alarm.text and "hungry.py" in alarm.text for alarm in machine.alarms)
+    assert not Path(f"/proc/{victim}").exists()
+    status = machine.memory.hli.axes[0].status
+    assert status.ready_for_control_loop_on_r  # the drives hold the axes
+    assert abs(status.position_lag_r) < 1_000  # 0.1 mm
+    stands = machine.x()
+    flag.unlink()
+    machine.reset()
+    machine.wait_for(lambda: bool(machine.memory.hli.platform.plc_running_r), "the PLC again")
+    assert abs(machine.x() - stands) < 1_000
+    machine.order(long_program)
+    machine.wait_for(lambda: moving(machine), "motion again")
+    assert machine.stop() == 0
 
 
 def test_a_killed_cycle_is_named_in_journal_and_hli_and_ends_the_service(
