@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -65,3 +68,19 @@ def test_every_file_that_is_named_exists(text: str) -> None:
 def test_every_module_of_the_architecture_exists() -> None:
     for name in set(re.findall(r"`([\w/]+(?:\.py|/))`", ARCHITECTURE)):
         assert Path("runtime", name.removeprefix("runtime/")).exists(), name
+
+
+def test_the_example_of_the_test_bench_is_a_test_that_passes(tmp_path: Path) -> None:
+    """As it stands, in a folder of its own, with nothing but the plugin of the package."""
+    (example,) = (text for text in re.findall(r"```py\n(.*?)```", README, re.DOTALL) if "def test_" in text)
+    (tmp_path / "test_mill.py").write_text(example)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "."],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(Path.cwd())},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    assert "1 passed" in done.stdout
