@@ -9,7 +9,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from runtime.config.model import Model
+from runtime.config.model import Model, Several
 from runtime.config.quantity_fields import Length
 
 _CALLS = (65.0, 66.0, 66.1, 67.0)
@@ -43,6 +43,8 @@ class NctParameters(Model):
     deltv: Annotated[Length, Field(ge=0)] = 0.0  # corner vectors nearer to each other in both axes become one
     interfer: bool = True  # cutter compensation looks whether the tool would run against the programmed direction,
     anglal: bool = True  # which is an error at once; false: vectors of the corners are left out until it does not
+    abshort: Several[str] = ()  # axes that turn without end, and go the shorter way to absolute positions
+    relround: Several[str] = ()  # axes that turn without end, of which incremental ways are less than a turn
     ang_accu: bool = False  # angles of G68 count in 0.00001 degrees, false: in 0.001
     retg73: Annotated[Length, Field(ge=0)] = 1.0  # G73: retraction between two cuts without E
     cleg83: Annotated[Length, Field(ge=0)] = 1.0  # G83: clearance over the last depth without E

@@ -403,6 +403,11 @@ class Execution:
         """A programmed axis value in mm or degrees."""
         return value * INCH if self.modal.inch and self.setup.linear[axis] else value
 
+    def turn_directions(self, words: dict[int, float]) -> dict[int, int] | None:
+        """Of axes that turn without end and get an absolute word (mm or degrees): 1, -1 or 0 for the shorter way. None: as the
+        signs of the block say."""
+        return None
+
     def shown(self, axis: int, value: float) -> float:
         """A value of an axis as the program sees it: inch where inch is selected."""
         return value / INCH if self.modal.inch and self.setup.linear[axis] else value

@@ -59,7 +59,9 @@ def target(x: Execution, block: MotionBlock) -> list[float]:
     """
     words = {axis: x.axis_value(axis, value) for axis, value in x.axis_words.items()}
     halved(x, words)
-    directions = _directions(x, block, words) if block.signs or x.modulo.ranges else {}
+    directions = x.turn_directions(words)
+    if directions is None:
+        directions = _directions(x, block, words) if block.signs or x.modulo.ranges else {}
     end = x.coordinates.target(words, x.incremental_words or x.modal.incremental)
     for axis, programmed in words.items():
         if not abs(programmed) <= POSITION_LIMIT:

@@ -7,6 +7,7 @@ this one: `words`, `axes`, `levels`, `active`, `stack`, `variables`, `macros`, `
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -181,6 +182,22 @@ class NctExecution(Execution):
         return block
 
     # ------------------------------------------------------------------ what the shared part asks for
+
+    def turn_directions(self, words: dict[int, float]) -> dict[int, int] | None:
+        """The sign of an absolute position is the direction in which an axis turns, 0 is positive; with ABSHORT it goes the
+        shorter way. With RELROUND an incremental way is less than a turn (manual lines 1741-1836)."""
+        directions = {}
+        parameters = self.setup.nct
+        for axis in words.keys() & self.modulo.ranges:
+            name = self.setup.axes[axis]
+            if self.incremental_words.get(axis, self.modal.incremental):
+                if name in parameters.relround:
+                    words[axis] = math.fmod(words[axis], self.modulo.size(axis))
+            elif name in parameters.abshort:
+                directions[axis] = 0
+            else:
+                directions[axis] = -1 if self.words.signed(name) or words[axis] < 0.0 else 1
+        return directions
 
     def read_offsets(self) -> None:
         """At program start: work offsets as they are kept, the common one among them. ProgramError if they cannot be read."""

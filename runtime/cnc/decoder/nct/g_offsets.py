@@ -12,6 +12,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Line, VectorOrder
 from runtime.cnc.decoder.modal import PLANE_AXES
+from runtime.cnc.decoder.modulo import modulo_end
 from runtime.cnc.decoder.motion import expect_in_range, pcs_gain, programmed_at
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.registers import write_register
@@ -24,6 +25,13 @@ from runtime.diagnostics.catalogue import nct_offsets as catalogue
 
 WORK_SYSTEMS = 6
 _REGISTERS = {10: ("H", False), 11: ("H", True), 12: ("D", False), 13: ("D", True)}  # L → kind, wear
+
+
+def shortest(x: NctExecution, end: list[float]) -> list[float]:
+    """A machine position to which axes that turn without end go the shorter way."""
+    now = x.coordinates.position
+    ranges = x.modulo.ranges
+    return [modulo_end(now[i], place, x.modulo.size(i), 0) if i in ranges else place for i, place in enumerate(end)]
 
 
 def rapid_to(x: NctExecution, end: list[float]) -> None:
@@ -73,7 +81,7 @@ def machine_coordinates(x: NctExecution, call: GCall) -> None:
     for axis, value in words.items():
         end[axis] = value + x.coordinates.length[axis]
     x.vectors.tell(x, VectorOrder.SUSPEND)
-    rapid_to(x, end)
+    rapid_to(x, shortest(x, end))
     x.vectors.tell(x, VectorOrder.RESUME)
     x.modal_changed()
 

@@ -6,8 +6,9 @@ Programs begin when every axis has its reference, so both ways of G28 are positi
 from __future__ import annotations
 
 from runtime.cnc.blocks import VectorOrder
+from runtime.cnc.decoder.motion import target
 from runtime.cnc.decoder.nct.execution import NctExecution
-from runtime.cnc.decoder.nct.g_offsets import rapid_to
+from runtime.cnc.decoder.nct.g_offsets import rapid_to, shortest
 from runtime.cnc.decoder.nct.registry import GCall, Group, Stage, g_code
 from runtime.cnc.language.errors import LineError
 from runtime.diagnostics.catalogue import nct_offsets as catalogue
@@ -19,11 +20,11 @@ def _go(x: NctExecution, call: GCall, places: tuple[float, ...]) -> None:
     words = x.axes()
     if not words:
         raise LineError(catalogue.REFERENCE_FORMAT, call.column, name=call.name, reason="an axis is wanted")
-    rapid_to(x, c.target(words, x.incremental_words))
+    rapid_to(x, target(x, x.words))
     for axis in words:
         x.memory.intermediate[axis] = c.numbers[axis]
     x.vectors.tell(x, VectorOrder.SUSPEND)
-    rapid_to(x, [places[axis] if axis in words else place for axis, place in enumerate(c.position)])
+    rapid_to(x, shortest(x, [places[axis] if axis in words else place for axis, place in enumerate(c.position)]))
     x.vectors.tell(x, VectorOrder.RESUME)
     x.modal_changed()
 
@@ -68,7 +69,7 @@ def back(x: NctExecution, call: GCall) -> None:
     if not words:
         raise LineError(catalogue.REFERENCE_FORMAT, call.column, name=call.name, reason="an axis is wanted")
     x.vectors.tell(x, VectorOrder.SUSPEND)
-    rapid_to(x, c.target({axis: float(x.memory.intermediate[axis]) for axis in words}, False))
+    rapid_to(x, shortest(x, c.target({axis: float(x.memory.intermediate[axis]) for axis in words}, False)))
     x.vectors.tell(x, VectorOrder.RESUME)
-    rapid_to(x, c.target(words, x.incremental_words))
+    rapid_to(x, target(x, x.words))
     x.modal_changed()

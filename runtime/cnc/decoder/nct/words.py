@@ -66,6 +66,11 @@ class BlockWords:
         found = self._first.get(address)
         return found is not None and found[0].incremental
 
+    def signed(self, address: str) -> bool:
+        """The number behind the address is written with a minus sign."""
+        found = self._first.get(address)
+        return found is not None and found[0].signed
+
     def place(self, address: str) -> int:
         """Column of the first word of an address, 1 without."""
         found = self._first.get(address)
