@@ -80,18 +80,19 @@ def corner(e: Elements, f: Elements) -> list[Piece]:
 
 
 def change_of_side(e: Elements, f: Elements) -> list[Piece] | None:
-    """The vectors where the side changes: the meeting point of both offset paths, if it lies on them or one radius beyond.
+    """The vectors where the side changes: the meeting point of both offset paths next to the corner, on prolonged paths too.
 
-    Without one, for a straight motion in front, the points square to its end and to the start of the next. None: neither.
+    That of two lines counts up to one radius beyond them, since it goes to infinity where they run straight on. Without one,
+    for a straight motion in front: the points square to its end and to the start of the next. None: neither.
     """
-    reach = abs(float(e[0]["o1"])) + NEAR
+    reach = abs(float(e[0]["o1"])) + NEAR if e[0]["kind"] == LINE and f[0]["kind"] == LINE else math.inf
     ways = []
     for x, y in _meeting_points(e[0], f[0]):
         back, on = _shorter(e[0], float(way_back(e[0], x, y))), _shorter(f[0], float(way_on(f[0], x, y)))
         if -reach <= back <= e[0]["length"] + NEAR and -reach <= on <= f[0]["length"] + NEAR:
-            ways.append((abs(back) + abs(on), (x, y)))
+            ways.append((round(abs(back) + abs(on), 6), back, (x, y)))
     if ways:
-        return [Piece(min(ways)[1])]
+        return [Piece(min(ways)[2])]
     if e[0]["kind"] == LINE:
         return [Piece(square_end(e[0])), Piece(square_start(f[0]))]
     return None

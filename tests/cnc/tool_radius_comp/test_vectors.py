@@ -283,20 +283,39 @@ def test_straight_on_the_side_changes_square_to_the_motion() -> None:
     assert places(path) == [(0, -R), (40, -R), (40, R), (80, R), (120, R)]
 
 
-def test_a_side_change_over_an_arc_moves_its_centre() -> None:
-    """The path around the half circle and that along the line on the other side do not meet near the corner: an arc of the
-    programmed radius leads to the point square to the start of the line."""
+def test_the_side_changes_where_an_arc_meets_a_line() -> None:
+    """Outside of a half circle of radius 20, then down on its other side: the circle of radius 25 comes to x = 55 at y = -20."""
     path = started(R).to(20, 0).arc(60, 0, 40, 0, -180).select(-R).to(60, -60, same=True).to(60, -90).done()
+    assert places(path)[2:] == [(55, -20), (55, -60), (55, -90)]
+
+
+def test_a_full_circle_may_be_passed_by_more_than_a_turn() -> None:
+    """The example with two changes of the side: both paths along the lines meet the circle beyond its top, on either side."""
+    contour = Contour(0, 0).select(-R).to(30, -40, same=True).select(R).arc(30, -40, 30, -80, -360, same=True)
+    path = contour.select(-R).to(60, 0, same=True).to(90, 40).done()
+    (arc,) = (m for m in path.motions if isinstance(m, Arc))
+    along = 32 - math.sqrt(45**2 - 19**2)  # on the path beside the first line, from (26, -43)
+    meeting = (26 + 0.6 * along, -43 - 0.8 * along)
+    assert np.allclose(arc.start[:2], meeting)
+    assert np.allclose(arc.end[:2], (60 - meeting[0], meeting[1]))
+    beyond = math.degrees(math.asin((30 - meeting[0]) / 45))
+    assert arc.angle == pytest.approx(-360 - 2 * beyond)
+
+
+def test_a_side_change_over_an_arc_moves_its_centre() -> None:
+    """Inside of a half circle, then straight on at its other side: the offsets do not meet. An arc of the programmed radius leads
+    from the start of the path along the arc to the point square to the start of the line."""
+    path = started(R).to(40, 0).arc(40, 40, 40, 20, 180).select(-R).to(0, 40, same=True).to(-40, 40).done()
     arc = next(m for m in path.motions if isinstance(m, Arc))
     assert arc.radius == pytest.approx(20)
-    assert arc.angle < 0
-    assert places(path)[2:] == [(55, 0), (55, -60), (55, -90)]
-    assert np.allclose(arc.start[:2], (40 - math.sqrt(25**2 - R**2), R))
+    assert tuple(arc.centre) == pytest.approx((40, 25))
+    assert arc.angle == pytest.approx(180)
+    assert places(path)[2:] == [(40, 45), (0, 45), (-40, 45)]
 
 
 def test_a_side_change_over_an_arc_that_does_not_reach_is_an_error() -> None:
-    contour = Contour(20, -40).select(R).to(20, -20, same=True).to(20, 0).arc(36, 0, 28, 0, -180)
-    path = contour.select(-R).to(80, 0, same=True).to(120, 0).done()
+    """As before, but 10 mm on the other side: 45 mm are more than the arc has across."""
+    path = started(R).to(40, 0).arc(40, 40, 40, 20, 180).select(-2 * R).to(0, 40, same=True).to(-40, 40).done()
     assert path.error is not None
     assert path.error.problem.entry is catalogue.CHANGE_IMPOSSIBLE
     assert path.error.problem.place.line == 3

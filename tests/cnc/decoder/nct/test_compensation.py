@@ -191,14 +191,32 @@ def test_the_side_changes_by_its_code_or_by_the_sign_of_d(change: str) -> None:
 
 @pytest.mark.spec("nct.trc.change-side")
 def test_a_side_change_over_an_arc() -> None:
-    path = tool_path("G0 X-20\nG41 G1 X0 D1 F100\nX20\nG2 X60 I20\nG42 G1 Y-60\nY-90")
+    path = tool_path("G0 X-20\nG41 G1 X0 D1 F100\nX40\nG3 Y40 J20\nG42 G1 X0\nX-40")
     assert path.error is None
     arc = next(m for m in path.motions if isinstance(m, Arc))
     assert arc.radius == pytest.approx(20)
-    assert np.allclose(arc.end[:2], [55, 0])
-    far = tool_path("G0 X20 Y-40\nG41 G1 Y-20 D1 F100\nY0\nG2 X36 I8\nG42 G1 X80\nX120")
+    assert np.allclose(arc.end[:2], [40, 45])
+    far = tool_path("G0 X-20\nG41 G1 X0 D1 F100\nX40\nG3 Y40 J20\nG42 G1 X0 D3\nX-40")
     assert far.error is not None
     assert far.error.problem.entry is nct_offsets.CHANGE_IMPOSSIBLE
+
+
+@pytest.mark.spec("nct.trc.varying-radius-and-full-circles")
+def test_full_circles_and_spirals() -> None:
+    """The example of two changes of the side; and an arc whose end is a hundredth nearer to the centre than its start."""
+    path = tool_path("G17 G91\nG42 G1 X30 Y-40 D1 F100\nN120 G41 G2 J-40\nN130 G42 G1 X30 Y40\nX10")
+    (arc,) = (m for m in path.motions if isinstance(m, Arc))
+    assert arc.angle < -360
+    cancelled = tool_path("G17 G90 G0 X0\nG41 G1 X30 D1 F100\nX60\nN100 G2 J-60\nN110 G40 G1 X120 Y180 I-60 J-60")
+    circles = [m for m in cancelled.motions if isinstance(m, Arc)]
+    assert sum(m.angle for m in circles) < -360
+    run = decode(
+        "G0 X-20\nG41 G1 X0 D1 F100\nX40\nG3 X40 Y39.99 I0 J20\nG1 X0",
+        memory=ChannelMemory(SETUP, offsets=MemoryOffsets(REGISTERS)),
+    )
+    arcs = [block for block in ToolRadiusCompensation()(run.blocks) if isinstance(block, Arc)]
+    assert math.dist(arcs[0].start[:2], (40, 20)) == pytest.approx(15)
+    assert math.dist(arcs[-1].end[:2], (40, 20)) == pytest.approx(14.99)
 
 
 @pytest.mark.spec("nct.trc.new-d-value")
