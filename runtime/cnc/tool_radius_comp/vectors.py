@@ -22,6 +22,7 @@ import numpy as np
 from runtime.cnc.blocks import (
     Arc,
     Block,
+    BlockEnd,
     Floats,
     Flush,
     Hold,
@@ -183,7 +184,8 @@ class VectorRun:
         elif isinstance(block, Polyline):
             for move in range(len(block.feeds)):
                 line = move_of(block, move)
-                yield from self.take(line) if self.active else (line,)
+                for part in (line, BlockEnd(line.source)):  # in a run every move is a step
+                    yield from self.take(part) if self.active else (part,)
         elif isinstance(block, Line | Arc) and self._moves(block):
             yield from self._add(block)
         elif isinstance(block, SpatialArc):

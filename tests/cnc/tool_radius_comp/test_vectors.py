@@ -16,6 +16,7 @@ from runtime.cnc.blocks import (
     Block,
     Dwell,
     Line,
+    Polyline,
     Source,
     Stop,
     StopKind,
@@ -246,6 +247,18 @@ def test_a_motion_beside_the_plane_happens_where_the_path_is() -> None:
     assert [tuple(m.end) for m in path.motions][1:3] == [(40 - R, R, 0), (40 - R, R, -10)]
     two = started().to(40, 0).to(40, 0, -5).to(40, 0, -10).to(40, 40).cancel().to(40, 60, same=True).done()
     assert [tuple(m.end) for m in two.motions][1:4] == [(40, R, 0), (40, R, -5), (40, R, -10)]
+
+
+def test_every_move_of_a_run_is_a_step() -> None:
+    points = np.array([[0.0, 0, 0], [40, 0, 0], [40, 40, 0]])
+    lines, numbers = np.array([3, 4]), np.array([-1, -1])
+    run = Polyline("test", points, np.array([1000.0, 1000.0]), lines, numbers, np.zeros(3))
+    contour = started()
+    contour.blocks.append(run)
+    path = compensate([*contour.blocks, Stop(Source("test", 5), StopKind.PROGRAM_END)])
+    assert places(path) == [(0, R), (40 - R, R), (40 - R, 40)]
+    steps = [(type(block).__name__, block.source.line) for block in path.blocks]
+    assert steps[1:5] == [("Line", 3), ("BlockEnd", 3), ("Line", 4), ("BlockEnd", 4)]
 
 
 # ---------------------------------------------------------------------------------------------------- changes
