@@ -50,6 +50,7 @@ class NctParameters(Model):
     cleg83: Annotated[Length, Field(ge=0)] = 1.0  # G83: clearance over the last depth without E
     tapdwell: bool = False  # G74, G84: P is a dwell at the bottom
     orient1: bool = False  # the spindle can be oriented: G76, G87 as back boring
+    sbstm: bool = True  # macro blocks are executed while the block before them moves; else when it is done
     wrprot1: Common | None = None  # first and
     wrprot2: Common | None = None  # last of #500 to #599 that programs cannot write
     g: Annotated[dict[int, GCodeNumber], AfterValidator(_callable_g)] = Field(default_factory=dict)  # program: code

@@ -59,6 +59,7 @@ class NctDecoder:
         self._interrupted = interrupted
         self._idle_limit = idle_limit
         self._idle = 0
+        self._ahead = False  # something was handed over since the path was where the decoder is
         section = program.unit.main
         x.stack.append(Frame(program.unit, section, section.begin, section.line))
         x.source = Source(program.unit.name, section.line)
@@ -125,12 +126,14 @@ class NctDecoder:
                         x.sequence_number = block.number
                     continue
                 x.in_step = repeating
+                if self._ahead and not x.setup.nct.sbstm and not repeating and x.macros.is_macro(block):
+                    yield from self._flushed(Source(frame.unit.name, line))
+                    x.in_step = True
                 try:
                     self._execute(frame, block)
                 except OutOfStepError:
                     self._expect_no_compensation(frame, block)
-                    yield from self._handed_over()
-                    yield Flush(Source(frame.unit.name, line), FlushKind.WAIT)
+                    yield from self._flushed(Source(frame.unit.name, line))
                     x.in_step = True
                     self._execute(frame, block)
                 repeating = x.again is not None
@@ -157,7 +160,14 @@ class NctDecoder:
         if x.out:
             out, x.out = x.out, []
             self._idle = 0
+            self._ahead = True
             yield from out
+
+    def _flushed(self, source: Source) -> Iterator[Block]:
+        """The path comes to the block in work."""
+        yield from self._handed_over()
+        self._ahead = False
+        yield Flush(source, FlushKind.WAIT)
 
     def _execute(self, frame: Frame, block: CompiledBlock) -> None:
         """One block by its compiled form."""

@@ -17,6 +17,7 @@ from runtime.cnc.decoder.nct.registry import G_CODES, Group, tenths_of
 from runtime.cnc.decoder.nct.variables import Locals
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.language.errors import LineError
+from runtime.cnc.language.nct.compiler import CompiledBlock
 from runtime.cnc.language.nct.words import Word
 from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import nct as words_catalogue
@@ -92,6 +93,21 @@ class MacroCalls:
     def watches(self) -> bool:
         """A block may call something besides what its words say."""
         return self._codes.any or bool(self._x.level.modal_calls)
+
+    def is_macro(self, block: CompiledBlock) -> bool:
+        """Whether a block is none of motion and functions: an assignment, a control statement, a macro call (line 7791). Within
+        cutter compensation, which looks ahead over such blocks, there are none."""
+        if self._x.modal.compensation_side:
+            return False
+        return block.control is not None or bool(block.assigns) or any(map(self._calls, block.words))
+
+    def _calls(self, word: Word) -> bool:
+        value = word.value.constant
+        if value is None:
+            return False
+        if word.address == "G":
+            return tenths_of(value) in CALLS or tenths_of(value) in self._codes.g
+        return word.address == "M" and round(value) in self._codes.m_macros
 
     # ------------------------------------------------------------------ calls
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from runtime.cnc.blocks import Technology, TechnologyFunction
+from runtime.cnc.blocks import Flush, Technology, TechnologyFunction
 from runtime.diagnostics.catalogue import nct
 from runtime.diagnostics.catalogue import nct_macros as catalogue
 from runtime.diagnostics.errors import ErrorEntry
@@ -272,3 +272,35 @@ def test_other_codes_within_a_called_subprogram(nested: bool) -> None:
     run = decode("O0001\nT7\nM30\nO9034\nM50\nM99\nO9000\n#100=1\nM99", setup)
     assert functions(run) == ([] if nested else ["M50"])
     assert run.value(100) == (1.0 if nested else None)
+
+
+# ---------------------------------------------------------------------------------------------------- order in time
+
+IN_TIME = (
+    "N10 #100=50\nN20 #101=100\nN30 G1 X#100 Y#101 F100\nN40 #100=60\nN50 #101=120\nN60 G1 X#100 Y#101"  # line 7803
+)
+
+
+@spec("nct.macro.nc-and-macro-blocks")
+@pytest.mark.parametrize(("sbstm", "waits"), [(True, []), (False, [4])])
+def test_macro_blocks_wait_for_the_motion_before_them_or_do_not(sbstm: bool, waits: list[int]) -> None:
+    run = decode(f"{IN_TIME}\nM30", with_parameters(sbstm=sbstm))
+    assert run.problem is None
+    assert run.ends == [(50.0, 100.0, 0.0), (60.0, 120.0, 0.0)]
+    assert [block.source.line for block in run.blocks if isinstance(block, Flush)] == waits
+
+
+@spec("nct.macro.nc-and-macro-blocks")
+@pytest.mark.parametrize(
+    ("block", "macro"),
+    [
+        ("#1=2", True), ("IF[1 EQ 2]GOTO9", True), ("GOTO9", True), ("WHILE[1 EQ 2]DO1\nEND1", True), ("G65 P2", True),
+        ("G66 P2", True), ("G67", True), ("G120 X5", True), ("M50", True),
+        ("X[#1+2]", False), ("M8", False), ("M98 P2", False), ("G4 P1", False),
+    ],
+)  # fmt: skip
+def test_which_blocks_are_macro_blocks(block: str, macro: bool) -> None:
+    setup = with_parameters(sbstm=False, g={9010: 120}, m={9020: 50})
+    run = decode(f"O0001\nG0 X1\n{block}\nN9 M30\nO0002\nM99\nO9010\nM99\nO9020\nM99", setup)
+    assert run.problem is None
+    assert [out.source.line for out in run.blocks if isinstance(out, Flush)] == ([3] if macro else [])
