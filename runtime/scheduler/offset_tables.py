@@ -42,6 +42,8 @@ def copied_offsets(machine: Machine, environment: Mapping[str, str]) -> MemoryOf
         return MemoryOffsets()
     table = open_offsets(machine, environment)
     try:
-        return MemoryOffsets(table.registers(), {channel: table.work_offsets(channel) for channel in table.channels()})
+        channels = table.channels()
+        work = {channel: table.work_offsets(channel) for channel in channels}
+        return MemoryOffsets(table.registers(), work, {channel: table.variables(channel) for channel in channels})
     finally:
         table.close()

@@ -21,7 +21,8 @@ class CommonVariables:
 
     values: dict[int, float] = field(default_factory=dict)
     protected: tuple[int, int] = (0, 0)
-    written: int = 0  # counts the writes to retained ones, for who keeps them
+    changed: dict[int, float | None] = field(default_factory=dict)  # retained ones that are not yet kept
+    restored: bool = False  # what was kept has been taken over
 
     def read(self, number: int) -> float | None:
         return self.values.get(number)
@@ -34,7 +35,7 @@ class CommonVariables:
                 raise CalculationError(
                     catalogue.VARIABLE_PROTECTED, f"#{number}", number=number, first=first, last=last
                 )
-            self.written += 1
+            self.changed[number] = value
         if value is None:
             self.values.pop(number, None)
         else:
@@ -46,4 +47,5 @@ class CommonVariables:
 
     def restore(self, kept: Mapping[int, float]) -> None:
         """What was kept; numbers that are none of these variables are left out."""
+        self.restored = True
         self.values.update({number: float(value) for number, value in kept.items() if number in RETAINED})

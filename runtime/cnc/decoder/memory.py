@@ -95,12 +95,20 @@ class ChannelMemory:
 
     def read_offsets(self) -> None:
         """Take over what is set in the offset table: when a program starts. Raises OffsetTableError."""
+        if not self.common.restored:
+            self.common.restore(self.offsets.variables(self._channel))
         for (data_set, name), offset in self.offsets.work_offsets(self._channel).items():
             if name not in self._axes or not COMMON <= data_set < ZERO_OFFSET_SETS:
                 continue
             axis = self._axes.index(name)
             if offset.described == self._described_offset(data_set, axis):
                 (self.common_offset if data_set == COMMON else self.zero_offsets[data_set])[axis] = offset.value
+
+    def keep_variables(self) -> None:
+        """Keep the common variables that have changed. Raises OffsetTableError; they are still to be kept then."""
+        if self.common.changed:
+            self.offsets.set_variables(self._channel, self.common.changed)
+            self.common.changed = {}
 
     def set_work_offset(self, data_set: int, axis: int, value: float) -> None:
         """Set the offset of an axis, mm or degrees, in a data set or in COMMON; it is kept. Raises OffsetTableError."""

@@ -1,6 +1,7 @@
-"""Offsets that programs and operators have set, and that survive a restart: compensation registers and work offsets.
+"""What programs and operators have set, and what survives a restart: compensation registers, work offsets, common variables.
 
     register      H (length) or D (radius), number 1 … 999: geometry and wear, whose sum is used
+    variable      channel, number: #500 to #599 of the NCT dialect
     work offset   channel, data set of the zero offsets (0: G53, 1: G54 …; COMMON is added to all of them), axis
 
 The machine description gives the work offsets that a new machine begins with. One that was set holds from then on, until it is
@@ -79,17 +80,29 @@ class OffsetTable(Protocol):
     def set_work_offset(self, channel: int, data_set: int, axis: str, offset: WorkOffset) -> None:
         """Enter the offset of an axis in a data set."""
 
+    def variables(self, channel: int) -> Mapping[int, float]:
+        """The common variables of programs that are kept, by number; vacant ones are not there."""
+
+    def set_variables(self, channel: int, values: Mapping[int, float | None]) -> None:
+        """Enter some of them together, None: vacant."""
+
 
 class MemoryOffsets:
     """A table of its own, which ends with the process: for checks and simulations, which change nothing of the machine."""
 
-    def __init__(self, registers: Registers | None = None, work: Mapping[int, WorkOffsets] | None = None) -> None:
+    def __init__(
+        self,
+        registers: Registers | None = None,
+        work: Mapping[int, WorkOffsets] | None = None,
+        variables: Mapping[int, Mapping[int, float]] | None = None,
+    ) -> None:
         self._registers = dict(registers or {})
+        self._variables = {channel: dict(values) for channel, values in (variables or {}).items()}
         self._work = {channel: dict(offsets) for channel, offsets in (work or {}).items()}
 
     def copy(self) -> MemoryOffsets:
         """A table of its own that holds the same."""
-        return MemoryOffsets(self._registers, self._work)
+        return MemoryOffsets(self._registers, self._work, self._variables)
 
     def register(self, kind: str, number: int) -> Register:
         return self._registers.get((kind, number), Register())
@@ -106,6 +119,17 @@ class MemoryOffsets:
     def set_work_offset(self, channel: int, data_set: int, axis: str, offset: WorkOffset) -> None:
         self._work.setdefault(channel, {})[data_set, axis] = offset
 
+    def variables(self, channel: int) -> Mapping[int, float]:
+        return dict(self._variables.get(channel, {}))
+
+    def set_variables(self, channel: int, values: Mapping[int, float | None]) -> None:
+        kept = self._variables.setdefault(channel, {})
+        for number, value in values.items():
+            if value is None:
+                kept.pop(number, None)
+            else:
+                kept[number] = value
+
 
 class SqliteOffsets:
     """The table in a file, which is made if it is not there. Several processes may have it open."""
@@ -120,6 +144,7 @@ class SqliteOffsets:
                 raise OffsetTableError(catalogue.TABLE_VERSION, Place(file=str(path)), version=version, known=SCHEMA)
             self._connection.execute(_REGISTERS)
             self._connection.execute(_WORK)
+            self._connection.execute(_VARIABLES)
             self._connection.execute(f"PRAGMA user_version = {SCHEMA}")
 
     def register(self, kind: str, number: int) -> Register:
@@ -148,10 +173,26 @@ class SqliteOffsets:
             row = (channel, data_set, axis, *offset)
             self._connection.execute("INSERT OR REPLACE INTO work VALUES (?, ?, ?, ?, ?)", row)
 
-    def channels(self) -> list[int]:
-        """The channels in which work offsets were set."""
+    def variables(self, channel: int) -> Mapping[int, float]:
         with self._told():
-            return [int(row[0]) for row in self._connection.execute("SELECT DISTINCT channel FROM work")]
+            rows = self._connection.execute("SELECT number, value FROM variables WHERE channel = ?", (channel,))
+            return {int(row[0]): float(row[1]) for row in rows}
+
+    def set_variables(self, channel: int, values: Mapping[int, float | None]) -> None:
+        with self._told(), self._connection:
+            self._connection.execute("BEGIN IMMEDIATE")
+            for number, value in values.items():
+                if value is None:
+                    self._connection.execute("DELETE FROM variables WHERE channel = ? AND number = ?", (channel, number))
+                else:
+                    row = (channel, number, value)
+                    self._connection.execute("INSERT OR REPLACE INTO variables VALUES (?, ?, ?)", row)
+
+    def channels(self) -> list[int]:
+        """The channels of which something is kept."""
+        query = "SELECT channel FROM work UNION SELECT channel FROM variables"
+        with self._told():
+            return [int(row[0]) for row in self._connection.execute(query)]
 
     def close(self) -> None:
         self._connection.close()
@@ -187,6 +228,12 @@ class OffsetsOutOfReach:
     def set_work_offset(self, channel: int, data_set: int, axis: str, offset: WorkOffset) -> None:
         raise self._error
 
+    def variables(self, channel: int) -> Mapping[int, float]:
+        raise self._error
+
+    def set_variables(self, channel: int, values: Mapping[int, float | None]) -> None:
+        raise self._error
+
 
 def _checked(register: Register) -> Register:
     """ValueError for values that no register can hold: somebody has written into the file."""
@@ -201,3 +248,5 @@ _REGISTERS = """CREATE TABLE IF NOT EXISTS registers (
 _WORK = """CREATE TABLE IF NOT EXISTS work (
     channel INTEGER NOT NULL, data_set INTEGER NOT NULL, axis TEXT NOT NULL, value REAL NOT NULL, described REAL NOT NULL,
     PRIMARY KEY (channel, data_set, axis))"""
+_VARIABLES = """CREATE TABLE IF NOT EXISTS variables (
+    channel INTEGER NOT NULL, number INTEGER NOT NULL, value REAL NOT NULL, PRIMARY KEY (channel, number))"""

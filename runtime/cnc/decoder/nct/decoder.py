@@ -6,6 +6,7 @@ A frame per program level, which stands at an offset of its file; jumps and call
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 
 from runtime.cnc.blocks import Block, Floats, Flush, FlushKind, Hold, SearchMark, Source
 from runtime.cnc.decoder.corners import Corners
@@ -29,8 +30,9 @@ from runtime.cnc.language.errors import CalculationError, LineError, ProgramErro
 from runtime.cnc.language.motion_words import WordKind
 from runtime.cnc.language.nct.compiler import CompiledBlock
 from runtime.cnc.search_target import BlockSearch
+from runtime.cnc.tools.offset_table import OffsetTableError
 from runtime.diagnostics.catalogue import language
-from runtime.diagnostics.errors import ErrorEntry, Problem
+from runtime.diagnostics.errors import ErrorEntry, Place, Problem
 
 
 class NctDecoder:
@@ -111,8 +113,10 @@ class NctDecoder:
                 self._idle += 1
                 if self.executed % HANDED_OVER == 0:
                     yield from self._handed_over()
-                    if self.executed % POLL == 0 and self._interrupted():
-                        return
+                    if self.executed % POLL == 0:
+                        self._keep()
+                        if self._interrupted():
+                            return
                 if self._idle_limit is not None and self._idle > self._idle_limit:
                     raise ProgramError(language.ENDLESS_LOOP, frame.unit.place(line), count=self._idle_limit)
                 search = self._search
@@ -148,9 +152,13 @@ class NctDecoder:
                 x.assigned = 0
                 if x.out:
                     yield from self._handed_over()
+            self._keep()
         except ProgramError:
             yield from self._handed_over()
             raise
+        finally:
+            with suppress(OffsetTableError):  # the program is over, told or aborted
+                x.memory.keep_variables()
         yield from self._handed_over()
 
     def _handed_over(self) -> Iterator[Block]:
@@ -167,7 +175,17 @@ class NctDecoder:
         """The path comes to the block in work."""
         yield from self._handed_over()
         self._ahead = False
+        self._keep()
         yield Flush(source, FlushKind.WAIT)
+
+    def _keep(self) -> None:
+        """Common variables that have changed outlive the machine from now on."""
+        try:
+            self._x.memory.keep_variables()
+        except OffsetTableError as error:
+            unit = self._x.stack[-1].unit if self._x.stack else None
+            place = Place() if unit is None else unit.place(self._x.source.line)
+            raise ProgramError(error.problem.entry, place, **error.problem.values) from None
 
     def _execute(self, frame: Frame, block: CompiledBlock) -> None:
         """One block by its compiled form."""

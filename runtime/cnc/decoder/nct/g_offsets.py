@@ -120,6 +120,11 @@ def _set_work_offsets(x: NctExecution, call: GCall, number: int) -> None:
             x.memory.set_work_offset(COMMON if number == 0 else number, axis, value)
     except OffsetTableError as error:
         raise LineError(error.problem.entry, call.column, **error.problem.values) from None
+    offset_changed(x, number)
+
+
+def offset_changed(x: NctExecution, number: int) -> None:
+    """The offset of a work system, 1 for G54, or of all (0) is another one: if it is active it acts at once."""
     if number in (0, x.modal.zero_offset):
         suspended(x)
         x.coordinates.common = [float(offset) for offset in x.memory.common_offset]
