@@ -183,7 +183,9 @@ class SqliteOffsets:
             self._connection.execute("BEGIN IMMEDIATE")
             for number, value in values.items():
                 if value is None:
-                    self._connection.execute("DELETE FROM variables WHERE channel = ? AND number = ?", (channel, number))
+                    self._connection.execute(
+                        "DELETE FROM variables WHERE channel = ? AND number = ?", (channel, number)
+                    )
                 else:
                     row = (channel, number, value)
                     self._connection.execute("INSERT OR REPLACE INTO variables VALUES (?, ?, ?)", row)

@@ -200,6 +200,7 @@ class WordBlocks:
             for word, _ in words.all
             if word.address in x.axis_of
         }
+        x.length_before = tuple(x.coordinates.length)
         x.additions = {}
         x.axes_taken = False
         x.end_feed = x.feed_change = None

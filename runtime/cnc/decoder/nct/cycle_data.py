@@ -45,4 +45,4 @@ class CycleData:
 
 def tool_length(x: NctExecution, axis: int) -> float:
     """The length compensation of an axis, mm."""
-    return x.coordinates.offsets.tool[axis]
+    return x.coordinates.length[axis]

@@ -82,7 +82,7 @@ def drill(x: NctExecution) -> None:
     column = words.all[0][0].column
     if x.modal.compensation_side:
         raise LineError(catalogue.CYCLE_COMPENSATED, column)
-    axis = _drilling_axis(x, column)
+    axis = _choose_axis(x, column)
     _store(x, axis, column)
     times = words.number("L")
     count = 1 if times is None else round(times)
@@ -105,9 +105,9 @@ def _functions(x: NctExecution) -> None:
         x.emit(block)
 
 
-def _drilling_axis(x: NctExecution, column: int) -> int:
-    """The axis that a block drills with; with another one than before the initial point is taken anew."""
-    data = x.cycle
+def drilling_axis(x: NctExecution, column: int) -> int:
+    """The axis that the block in work drills with: the one that it names, else that of the block before, else that of the plane.
+    LineError for two, and for none."""
     names = [name for name in DRILLING_AXES[x.modal.plane] if name in x.axis_of]
     named = [x.axis_of[name] for name in names if x.axis_of[name] in x.axis_words]
     if len(named) > 1:
@@ -115,14 +115,19 @@ def _drilling_axis(x: NctExecution, column: int) -> int:
     possible = [x.axis_of[name] for name in names]
     if not possible:
         raise LineError(catalogue.NO_DRILLING_AXIS, column, axis=DRILLING_AXES[x.modal.plane][0])
-    axis = named[0] if named else data.axis if data.axis in possible else possible[0]
+    return named[0] if named else x.cycle.axis if x.cycle.axis in possible else possible[0]
+
+
+def _choose_axis(x: NctExecution, column: int) -> int:
+    """The axis that a block drills with; with another one than before the initial point is taken anew."""
+    data, axis = x.cycle, drilling_axis(x, column)
     if axis != data.axis:
         if data.axis >= 0 and "R" not in x.words:
             raise LineError(catalogue.NO_BOTTOM_OR_R, column)
         if data.axis >= 0:
             data.z = None
         data.axis = axis
-        data.initial = x.coordinates.position[axis] - tool_length(x, axis)
+        data.initial = x.coordinates.position[axis] - x.length_before[axis]
     return axis
 
 

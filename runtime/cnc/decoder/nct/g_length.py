@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from runtime.cnc.decoder.modal import Motion
 from runtime.cnc.decoder.nct.execution import NctExecution
+from runtime.cnc.decoder.nct.g_cycles import drilling_axis
 from runtime.cnc.decoder.nct.registers import register_value
 from runtime.cnc.decoder.nct.registry import GCall, Group, Stage, g_code, word
 from runtime.cnc.language.errors import LineError
@@ -63,9 +64,12 @@ def _length(number: str, sign: float, meaning: str) -> None:
             _compensate(x, range(len(x.setup.axes)))
             used.length = kept
             return
-        if not x.axis_words:
+        if x.cycle.mode:  # the drilling axis alone, with its next motion (line 5826)
+            used.length_axes = (drilling_axis(x, call.column),)
+        elif not x.axis_words:
             raise LineError(catalogue.AXIS_WANTED, call.column, what=call.name)
-        used.length_axes = tuple(x.axis_words)
+        else:
+            used.length_axes = tuple(x.axis_words)
         _compensate(x, used.length_axes)
 
 
@@ -77,7 +81,10 @@ _length("49", 0.0, "no tool length")
 def _offset(number: int, factor: float, meaning: str) -> None:
     @g_code(str(number), Group.ONE_SHOT, "nct.tool.offset-g45-g48", meaning=meaning, stage=Stage.SET)
     def lengthen(x: NctExecution, call: GCall) -> None:
-        """The way of each axis becomes longer or shorter by the value of D, in its direction; that stays in the position."""
+        """The way of each axis becomes longer or shorter by the value of D, in its direction; that stays in the position. Not in
+        drilling cycles (line 5829)."""
+        if x.cycle.mode:
+            return
         used, c = x.used, x.coordinates
         if used.offset_number not in (0, used.d_number) and any(c.displaced):
             raise LineError(catalogue.OFFSET_ERRONEOUS, call.column, number=used.d_number, other=used.offset_number)

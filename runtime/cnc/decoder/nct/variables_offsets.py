@@ -5,7 +5,8 @@
     #12001 … #12999  D geometry
     #13001 … #13999  D wear
 
-They are those of G10 and of the operator, and are kept. A work offset that is active acts at once; a register with the next H or D.
+They are those of G10 and of the operator, and are kept. A work offset that is active acts at once; a register with the next H or
+D.
 Values are in inch where inch is selected.
 """
 

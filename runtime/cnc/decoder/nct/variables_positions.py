@@ -26,9 +26,9 @@ _SPEC = "nct.sysvar.positions"
 
 
 def block_end(x: NctExecution, axis: int) -> float:
-    """The programmed point that the last motion has led to."""
+    """The programmed point that the last motion has led to, transformations taken off."""
     c = x.coordinates
-    return (c.position[axis] - c.shift[axis]) / c.gain[axis]
+    return c.transformations.image(c.numbers)[axis]
 
 
 def machine_position(x: NctExecution, axis: int) -> float:
@@ -37,8 +37,10 @@ def machine_position(x: NctExecution, axis: int) -> float:
 
 
 def work_position(x: NctExecution, axis: int) -> float:
-    """Counted from the work zero; the tool length is in it."""
-    return machine_position(x, axis) - x.coordinates.shift[axis] + tool_length(x, axis)
+    """Counted from the work zero; compensations are in it."""
+    c = x.coordinates
+    work_zero = c.offsets.zero[axis] + c.common[axis] + c.shifted[axis] + c.local[axis]
+    return machine_position(x, axis) - work_zero
 
 
 def servo_lag(x: NctExecution, axis: int) -> float:

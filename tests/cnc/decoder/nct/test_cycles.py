@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from runtime.cnc.blocks import (
@@ -310,3 +313,43 @@ def test_functions_come_behind_the_positioning_of_the_first_hole() -> None:
 @spec("nct.cycle.interaction-rules", "nct.cycle.tapping-g84")
 def test_the_spindle_may_be_started_in_the_block_of_the_cycle() -> None:
     assert drilled("G90 G0 Z100\nG84 X1 Z-5 R3 F100 M3 S500").startswith("rZ100 | rX1 M3 | rZ3 |")
+
+
+@spec("nct.cycle.interaction-rules")
+def test_a_tool_length_acts_on_the_drilling_axis_in_the_move_to_r() -> None:
+    """H1 is 50 mm: X and Y know nothing of it; the tool tip comes back to the height that it had."""
+    length = "G10 L10 P1 R50\nG10 L10 P2 R70\n"
+    assert drilled(f"{length}{BEGIN}G43 H1 G81 X10 Z-5 R3 F100").removeprefix(HEAD) == (
+        "rX10 | rZ53 | f100:Z45 rZ150 |"
+    )
+    assert drilled(f"{length}{BEGIN}G81 X10 Z-5 R3 F100\nG43 H2 X20\nG49 X30").removeprefix(HEAD) == (
+        "rX10 | rZ3 | f100:Z-5 rZ100 | rX20 | rZ73 | f100:Z65 rZ170 | rX30 | rZ3 | f100:Z-5 rZ100 |"
+    )
+
+
+@spec("nct.cycle.interaction-rules")
+def test_tool_offset_is_not_carried_out_in_cycles() -> None:
+    assert drilled(f"G10 L12 P1 R5\nD1\n{BEGIN}G81 X10 Z-5 R3 F100\nG45 X20").endswith("rX20 | rZ3 | f100:Z-5 rZ100 |")
+
+
+@spec("nct.cycle.modal-data")
+def test_mirror_and_scale_act_on_r_and_z_but_not_on_q() -> None:
+    assert drilled("G90 G0 Z10\nG51 X0 Y0 Z0 P2\nG73 X5 Z-5 R1 Q6 E1 F100") == (
+        "rZ10 | rX10 | rZ2 | f100:Z-4 rZ-3 f100:Z-10 rZ10 |"
+    )
+    assert drilled("G90 G0 Z-10\nG51.1 Z0\nG73 X5 Z-8 R1 Q6 E1 F100") == (
+        "rZ-10 | rX5 | rZ-1 | f100:Z5 rZ4 f100:Z8 rZ-10 |"
+    )
+
+
+@spec("nct.cycle.modal-data")
+def test_holes_are_placed_in_the_turned_system() -> None:
+    run = decode("G90 G0 Z10\nG68 X0 Y0 R90\nG81 X5 Y0 Z-5 R1 F100\nM30")
+    assert run.problem is None
+    assert run.ends[1] == (0.0, 5.0, 10.0)
+
+
+@spec("nct.cycle.modal-data")
+def test_another_work_system_moves_r_and_z_and_leaves_the_initial_point() -> None:
+    setup = replace(SETUP, zero_offsets={55: np.array([0.0, 0.0, 7.0])})
+    assert drilled(f"{BEGIN}G81 X1 Z-5 R3 F100\nG55 X2", setup).endswith("rX2 | rZ10 | f100:Z2 rZ100 |")

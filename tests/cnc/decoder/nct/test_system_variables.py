@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from runtime.cnc.blocks import ExactStop, Floats, Flush, Message, Receiver, Stop, StopKind, Suppression, UserError
-from runtime.cnc.decoder import DecoderSetup, Offline
+from runtime.cnc.decoder import ChannelMemory, DecoderSetup, Offline
+from runtime.cnc.tools.offset_table import MemoryOffsets, OffsetTableError, Register, SqliteOffsets, WorkOffset
+from runtime.diagnostics.catalogue import nct, offsets
 from runtime.diagnostics.catalogue import nct_macros as catalogue
 from runtime.diagnostics.errors import ErrorEntry
-from tests.cnc.decoder.nct.macro_programs import decode, values
+from tests.cnc.decoder.nct.macro_programs import SETUP, decode, values
 
 spec = pytest.mark.spec
 
@@ -158,3 +164,98 @@ def test_positions() -> None:
     assert run.problem is None
     assert [run.value(n) for n in range(101, 108)] == [5.0, 7.0, 105.0, 5.0, 0.5, -0.25, 0.0]
     assert sum(isinstance(block, Flush) for block in run.blocks) == 4
+
+
+# ---------------------------------------------------------------------------------------------------- offsets
+
+
+@spec("nct.sysvar.tool-compensation")
+def test_compensation_registers_are_those_of_g10() -> None:
+    memory = ChannelMemory(SETUP)
+    text = "G10 L10 P1 R50\nG10 L11 P1 R-0.5\nG10 L12 P999 R6\n#100=#10001\n#101=#11001\n#102=#12999\n#103=#13999\n"
+    run = decode(f"{text}#10002=3.25\n#11002=0.1\n#12002=-4\n#13002=#1\nM30", memory=memory)
+    assert run.problem is None
+    assert [run.value(n) for n in (100, 101, 102, 103)] == [50.0, -0.5, 6.0, 0.0]
+    assert memory.offsets.register("H", 2) == (3.25, 0.1)
+    assert memory.offsets.register("D", 2) == (-4.0, 0.0)
+
+
+@spec("nct.sysvar.tool-compensation")
+def test_a_register_that_is_written_acts_with_the_next_h() -> None:
+    run = decode("#10001=10\nG90 G43 H1 G0 Z0\n#10001=20\nZ0\nH1 Z0\nM30")
+    *before, last = run.axis("Z")
+    assert set(before) == {10.0}
+    assert last == 20.0
+
+
+@spec("nct.sysvar.tool-compensation")
+def test_registers_in_inch_and_their_limits() -> None:
+    run = decode("G20\n#10001=2\nG21\n#100=#10001\n#11001=16.381\nM30")
+    assert run.value(100) == pytest.approx(50.8)
+    assert run.place == (nct.VALUE_EXCESS, 5, 1)
+    assert decode("#100=#11000\nM30").place[0] is catalogue.VARIABLE_UNKNOWN  # there is no register 0
+
+
+@spec("nct.sysvar.work-offsets")
+def test_work_offsets_are_read_and_written() -> None:
+    setup = replace(SETUP, zero_offsets={54: np.array([1.0, 2.0, 3.0]), 59: np.array([7.0, 8.0, 9.0])})
+    memory = ChannelMemory(setup)
+    run = decode("#100=#5221\n#101=#5223\n#102=#5322\n#103=#5201\n#5242=4\n#5203=-1\nM30", setup, memory=memory)
+    assert run.problem is None
+    assert [run.value(n) for n in (100, 101, 102, 103)] == [1.0, 3.0, 8.0, 0.0]
+    assert memory.zero_offsets[2, 1] == 4.0
+    assert memory.common_offset[2] == -1.0
+
+
+@spec("nct.sysvar.work-offsets")
+def test_an_active_offset_acts_at_once_and_moves_nothing() -> None:
+    run = decode("G90 G54 G0 X10\n#5221=5\nX10\n#5241=9\nX11\n#5201=1\nX11\nG55 X0\nM30")
+    assert run.problem is None
+    assert run.axis("X") == [10.0, 15.0, 16.0, 17.0, 10.0]
+
+
+@spec("nct.sysvar.work-offsets")
+def test_work_offsets_of_axes_that_are_not_there() -> None:
+    assert decode("#100=#5224\nM30").place == (catalogue.VARIABLE_UNKNOWN, 1, 6)
+    assert decode("#5324=1\nM30").place == (catalogue.VARIABLE_UNKNOWN, 1, 1)
+
+
+def test_a_table_that_is_out_of_reach_is_told_at_the_variable() -> None:
+    class Broken(MemoryOffsets):
+        def register(self, kind: str, number: int) -> Register:
+            raise OffsetTableError(offsets.TABLE_FAILED, reason="gone")
+
+        def set_work_offset(self, channel: int, data_set: int, axis: str, offset: WorkOffset) -> None:
+            raise OffsetTableError(offsets.TABLE_FAILED, reason="gone")
+
+        def set_variables(self, channel: int, values: Mapping[int, float | None]) -> None:
+            raise OffsetTableError(offsets.TABLE_FAILED, reason="gone")
+
+    for block, column in (("#1=#10001", 4), ("#10001=1", 1), ("#5221=1", 1)):
+        run = decode(f"{block}\nM30", memory=ChannelMemory(SETUP, offsets=Broken()))
+        assert run.place == (offsets.TABLE_FAILED, 1, column)
+    run = decode("G0 X1\n#500=1\nM30", memory=ChannelMemory(SETUP, offsets=Broken()))
+    assert run.problem is not None
+    assert run.problem.entry is offsets.TABLE_FAILED
+    assert run.axis("X") == [1.0]
+
+
+@spec("nct.var.local-and-common")
+def test_the_upper_common_variables_are_kept_over_a_restart(tmp_path: Path) -> None:
+    def start() -> ChannelMemory:
+        return ChannelMemory(SETUP, offsets=SqliteOffsets(tmp_path / "offsets.db"))
+
+    first = start()
+    assert decode("#100=1\n#500=2.5\n#599=7\n#599=#0\n#510=1\nM30", memory=first).problem is None
+    second = start()
+    run = decode("#101=#100\n#102=#500\n#103=#599\n#510=#0\nM30", memory=second)
+    assert [run.value(n) for n in (101, 102, 103)] == [None, 2.5, None]
+    assert dict(start().offsets.variables(SETUP.channel_number)) == {500: 2.5}
+
+
+@spec("nct.var.local-and-common")
+def test_what_an_aborted_program_has_written_is_kept_too(tmp_path: Path) -> None:
+    table = SqliteOffsets(tmp_path / "offsets.db")
+    run = decode("#500=3\nX1\n#501=1/0\nM30", memory=ChannelMemory(SETUP, offsets=table))
+    assert run.problem is not None
+    assert dict(table.variables(SETUP.channel_number)) == {500: 3.0}
