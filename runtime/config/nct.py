@@ -58,6 +58,8 @@ class NctParameters(Model):
     t9034: bool = False  # T calls O9034, its value in #199
     s9033: bool = False  # S calls O9033, its value in #198
     fgmac: bool = False  # such codes call also within programs that they have called
+    i_line: str = ""  # external variable (UNS16) with the inputs #1000 to #1015
+    o_line: str = ""  # external variable (UNS16) with the outputs #1100 to #1115
     modgequ: bool = False  # modal G codes call in the place of each block, else behind each motion
 
     @property

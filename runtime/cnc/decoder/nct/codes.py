@@ -13,6 +13,7 @@ import runtime.cnc.decoder.nct.g_reference
 import runtime.cnc.decoder.nct.g_select
 import runtime.cnc.decoder.nct.g_transformations
 import runtime.cnc.decoder.nct.m_program
+import runtime.cnc.decoder.nct.variables_interface
 import runtime.cnc.decoder.nct.variables_offsets
 import runtime.cnc.decoder.nct.variables_positions
 import runtime.cnc.decoder.nct.variables_program  # noqa: F401

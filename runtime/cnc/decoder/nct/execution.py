@@ -94,6 +94,7 @@ class NctExecution(Execution):
         self.sequence_number = 0  # the last N word
         self.number_before = 0  # that of the block before
         self.length_before: tuple[float, ...] = (0.0,) * len(setup.axes)  # tool lengths before the block in work, mm
+        self.outputs: int | None = None  # of the interface, as this program has put them out last
         self.last_words: dict[str, float] = {}  # values of the modal words, as programmed
         self.assigned = 0  # assignments of the block in work that are done
         self.actions: list[Callable[[], None]] = []  # of the block in work, when everything else is done

@@ -9,12 +9,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runtime.cnc.blocks import ExactStop, Floats, Flush, Message, Receiver, Stop, StopKind, Suppression, UserError
+from runtime.cnc.blocks import (
+    ExactStop,
+    ExternalWrite,
+    Floats,
+    Flush,
+    Message,
+    Polyline,
+    Receiver,
+    Stop,
+    StopKind,
+    Suppression,
+    UserError,
+)
 from runtime.cnc.decoder import ChannelMemory, DecoderSetup, Offline
 from runtime.cnc.tools.offset_table import MemoryOffsets, OffsetTableError, Register, SqliteOffsets, WorkOffset
+from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import nct, offsets
 from runtime.diagnostics.catalogue import nct_macros as catalogue
 from runtime.diagnostics.errors import ErrorEntry
+from runtime.hli.external import ExternalVariable, write_external
 from tests.cnc.decoder.nct.macro_programs import SETUP, decode, values
 
 spec = pytest.mark.spec
@@ -259,3 +273,58 @@ def test_what_an_aborted_program_has_written_is_kept_too(tmp_path: Path) -> None
     run = decode("#500=3\nX1\n#501=1/0\nM30", memory=ChannelMemory(SETUP, offsets=table))
     assert run.problem is not None
     assert dict(table.variables(SETUP.channel_number)) == {500: 3.0}
+
+
+# ---------------------------------------------------------------------------------------------------- interface
+
+WORDS = (
+    ExternalVariable("V.E.inputs", "UNS16", 4, 2, (), (), "rw", False),
+    ExternalVariable("V.E.outputs", "UNS16", 6, 2, (), (), "rw", False),
+    ExternalVariable("V.E.level", "REAL64", 8, 8, (), (), "rw", False),
+)
+WIRED = replace(SETUP, external=WORDS, nct=NctParameters(i_line="inputs", o_line="outputs"))
+
+
+@spec("nct.sysvar.interface-io")
+def test_inputs_one_by_one_and_as_a_number() -> None:
+    outside = Offline()
+    write_external(outside.external, 4, "UNS16", 2, 2**2 + 2**8)  # lines 6757-6760: #1002 and the tenth octal one
+    run = decode("#100=#1002\n#101=#1003\n#102=#1008\n#103=#1032\nM30", WIRED, outside=outside)
+    assert [run.value(n) for n in (100, 101, 102, 103)] == [1.0, 0.0, 1.0, 260.0]
+    assert sum(isinstance(block, Flush) for block in run.blocks) == 4
+
+
+@spec("nct.sysvar.interface-io")
+def test_outputs_are_put_out_on_the_path_and_read_back() -> None:
+    outside = Offline()
+    write_external(outside.external, 6, "UNS16", 2, 2**9)
+    run = decode(
+        "#100=#1109\n#1102=1\nG0 X1\n#1109=0\n#101=#1102\n#102=#1132\n#1132=65535\n#103=#1115\nM30",
+        WIRED,
+        outside=outside,
+    )
+    assert run.problem is None
+    assert [run.value(n) for n in (100, 101, 102, 103)] == [1.0, 1.0, 4.0, 1.0]
+    written = [(block.offset, block.kind, block.value) for block in run.blocks if isinstance(block, ExternalWrite)]
+    assert written == [(6, "UNS16", 2.0**9 + 4), (6, "UNS16", 4.0), (6, "UNS16", 65535.0)]
+    places = [isinstance(block, ExternalWrite) for block in run.blocks if isinstance(block, ExternalWrite | Polyline)]
+    assert places == [True, False, True, True]
+
+
+@spec("nct.sysvar.interface-io")
+@pytest.mark.parametrize(
+    ("block", "setup", "entry"),
+    [
+        ("#1000=1", WIRED, catalogue.VARIABLE_READ_ONLY),
+        ("#1032=1", WIRED, catalogue.VARIABLE_READ_ONLY),
+        ("#1100=2", WIRED, catalogue.VALUE_REFUSED),
+        ("#1132=65536", WIRED, catalogue.VALUE_REFUSED),
+        ("#1132=0.5", WIRED, catalogue.VALUE_REFUSED),
+        ("#1100=1", SETUP, catalogue.VARIABLE_REFUSED),
+        ("#1=#1000", SETUP, catalogue.VARIABLE_REFUSED),
+        ("#1=#1032", replace(WIRED, nct=NctParameters(i_line="level")), catalogue.VARIABLE_REFUSED),
+        ("#1=#1016", WIRED, catalogue.VARIABLE_UNKNOWN),
+    ],
+)
+def test_what_the_interface_refuses(block: str, setup: DecoderSetup, entry: ErrorEntry) -> None:
+    assert decode(f"{block}\nM30", setup).place[:2] == (entry, 1)
