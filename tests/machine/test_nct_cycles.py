@@ -6,9 +6,13 @@ from pathlib import Path
 
 import pytest
 
+from runtime.cnc.axes.spindle import SpindleMode
 from runtime.config.machine import Machine
+from runtime.diagnostics.events import EventKind
 from runtime.hli.layout import StopCondition
 from tests.machine.driven import Driven
+from tests.machine.scripted_plc import ScriptedPlc
+from tests.machine.test_modes import Hand, place
 
 DRILL = "%O0001(DRILL)\nG90 G17 G0 X0 Y0 Z60\nG81 X10 Z45 R50 F3000\nX20\nG80\nM30\n"
 TAP = "%O0002(TAP)\nG90 G17 G0 X0 Y0 Z60\nS600 M3\nG99 G84 X10 Z20 R50 F900\nG80 X20\nM30\n"  # 1.5 mm
@@ -76,3 +80,47 @@ def test_a_stop_before_the_thread_keeps_the_tool_out(demo: Machine, tmp_path: Pa
     driven.operator.feedhold_w = False
     driven.until_done()
     assert driven.alarms == []
+
+
+MANUAL = "%O0003(BY HAND)\nG90 G17 G0 X0 Y0 Z60\nS600 M3\n{cycle} X10 Z40 R50 F3000 M8\nX30\nG80\nM30\n"
+
+
+@pytest.mark.parametrize(
+    ("cycle", "level"),
+    [
+        pytest.param("G88 P0.1", 60.0, marks=pytest.mark.spec("nct.cycle.manual-boring-g88")),
+        pytest.param("G99 G88", 50.0, marks=pytest.mark.spec("nct.cycle.manual-boring-g88")),
+        pytest.param("G87", 60.0, marks=pytest.mark.spec("nct.cycle.manual-boring-g87a")),
+        pytest.param("G99 G87", 50.0, marks=pytest.mark.spec("nct.cycle.manual-boring-g87a")),
+    ],
+)
+def test_the_operator_moves_the_tool_at_the_bottom(demo: Machine, tmp_path: Path, cycle: str, level: float) -> None:
+    driven = Driven(
+        demo, tmp_path, ideal_axes=True, dialect="nct", partner=lambda memory: ScriptedPlc(memory, {})
+    )  # fmt: skip
+    hand = Hand(driven)
+    spindle = driven.channel.spindles[0]
+    x_zero = driven.machine.channels[0].zero_offsets["G54"]["X"]
+    driven.start(MANUAL.format(cycle=cycle))
+    for hole in (10.0, 30.0):
+        driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.MANUAL))
+        driven.watch(2)
+        assert z_of(driven) == pytest.approx(40.0, abs=1e-6)
+        assert place(driven) - x_zero == pytest.approx(hole, abs=1e-6)
+        assert spindle.mode is SpindleMode.M5
+        hand.press(1, 1)  # X away from the wall
+        driven.watch(100)
+        hand.press(1, 0)
+        hand.rest()
+        moved = place(driven)
+        assert moved - x_zero > hole + 0.5
+        driven.operator.continue_motion_rw = True
+        driven.until(lambda: z_of(driven) >= level - 1e-6)
+        assert place(driven) == pytest.approx(moved)
+        driven.until(lambda: spindle.mode is SpindleMode.M3)
+        assert z_of(driven) == pytest.approx(level, abs=1e-6)
+    driven.until_done()
+    assert driven.alarms == []
+    driven.assert_no_jump()
+    coolant = [event for event in driven.simulation.log if event.kind is EventKind.M_OUT and event.number == 8]
+    assert len(coolant) == 1  # M8 stands in the block of the cycle, which is executed twice

@@ -141,11 +141,6 @@ NO_ORIENTATION = ErrorEntry(
     remedy="set orient1 in the description of the channel if the machine has one",
     source="NCT programmer's manual line 5278",
 )
-BY_HAND = ErrorEntry(
-    324062,
-    "{name} has the operator move the tool at the bottom of the hole, which is not supported yet",
-    remedy="bore with G86, or write the operations one after the other",
-)
 CUT_MISSING = ErrorEntry(
     324052, "{name} needs Q, the depth of a cut", remedy="program Q in the first block of the cycle"
 )

@@ -32,6 +32,7 @@ class CycleData:
     lift: float | None = None
     dwell: float | None = None
     shift: dict[str, float] = field(default_factory=dict)
+    by_hand: tuple[int, int] | None = None  # hole and step of the block in work at which the operator moves the tool
 
     def clear(self) -> None:
         """G80, a path condition: nothing is stored."""
@@ -41,6 +42,7 @@ class CycleData:
         self.r = self.z = None
         self.cut = self.lift = self.dwell = None
         self.shift = {}
+        self.by_hand = None
 
 
 def tool_length(x: NctExecution, axis: int) -> float:

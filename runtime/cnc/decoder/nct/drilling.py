@@ -109,7 +109,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class OperatorStop:
-    """As M00: the operator may move the tool by hand, START goes on."""
+    """The path stands, the operator moves the tool by hand, START goes on from where it stands then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -306,7 +306,7 @@ def back_bore(hole: Hole) -> Steps:
 @dataclass(frozen=True, slots=True)
 class Cycle:
     """A cycle by its G code. `orients`: the spindle has to be able to go to an angle. `turning`: M3 or M4 that it needs
-    before it starts, 0 for none. `cuts`: it needs Q. `by_hand`: the operator moves the tool at the bottom."""
+    before it starts, 0 for none. `cuts`: it needs Q."""
 
     code: int
     spec: str
@@ -315,7 +315,6 @@ class Cycle:
     orients: bool = False
     turning: int = 0
     cuts: bool = False
-    by_hand: bool = False
 
 
 CYCLES = {
@@ -345,7 +344,6 @@ CYCLES = {
             "boring, dwell, stop for the operator",
             bore_dwell_by_hand,
             turning=3,
-            by_hand=True,
         ),
         Cycle(89, "nct.cycle.boring-g89", "boring with a dwell, out with feed", bore_and_dwell),
     )
@@ -357,7 +355,6 @@ MANUAL_BORING = Cycle(
     "boring, stop for the operator; or back boring",
     bore_by_hand,
     turning=3,
-    by_hand=True,
 )
 BACK_BORING = Cycle(87, "nct.cycle.back-boring-g87b", "back boring", back_bore, orients=True, turning=3)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
-from runtime.cnc.blocks import Block, ExactStop, Suppression, Synch, TechnologyFunction, Wait
+from runtime.cnc.blocks import Block, ExactStop, ManualKind, ManualMotion, Suppression, Synch, TechnologyFunction, Wait
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.feed import require_feed
 from runtime.cnc.decoder.modal import Motion, Plane
@@ -22,6 +22,7 @@ from runtime.cnc.decoder.nct.drilling import (
     DwellHere,
     Feed,
     Hole,
+    OperatorStop,
     Rapid,
     Shift,
     Spindle,
@@ -32,6 +33,8 @@ from runtime.cnc.decoder.nct.drilling import (
 from runtime.cnc.decoder.nct.execution import TO_INITIAL, NctExecution
 from runtime.cnc.decoder.nct.g_motion import dwell_here
 from runtime.cnc.decoder.nct.registry import GCall, Group, g_code
+from runtime.cnc.decoder.outside import WaitForOutside
+from runtime.cnc.decoder.places import begin_where_axes_are
 from runtime.cnc.decoder.spindles import SpindleWords
 from runtime.cnc.language.errors import LineError
 from runtime.diagnostics.catalogue import nct_macros as catalogue
@@ -90,11 +93,13 @@ def drill(x: NctExecution) -> None:
         _functions(x)
         return
     require_feed(x, words)
-    _check(x, cycle, column)
+    if x.cycle.by_hand is None:
+        _check(x, cycle, column)
     if count * (drilling.cuts(_hole(x, cycle, axis)) if cycle.cuts else 1) > MOST_STEPS:
         raise LineError(catalogue.TOO_MANY_CUTS, column, limit=MOST_STEPS)
-    for index in range(count):
-        _carry_out(x, cycle, axis, first=index == 0, last=index == count - 1)
+    hole, _ = x.cycle.by_hand or (0, 0)
+    for index in range(hole, count):
+        _carry_out(x, cycle, axis, index, last=index == count - 1)
 
 
 def _functions(x: NctExecution) -> None:
@@ -165,8 +170,6 @@ def _check(x: NctExecution, cycle: Cycle, column: int) -> None:
     data, name = x.cycle, f"G{cycle.code:g}"
     if cycle.orients and not x.setup.nct.orient1:
         raise LineError(catalogue.NO_ORIENTATION, column, name=name)
-    if cycle.by_hand:
-        raise LineError(catalogue.BY_HAND, column, name=name)
     if cycle.cuts and not data.cut:
         raise LineError(catalogue.CUT_MISSING, column, name=name)
     if cycle.turning:
@@ -239,26 +242,41 @@ def _along(x: NctExecution, places: Mapping[int, float], motion: Motion) -> None
     _to(x, end, motion)
 
 
-def _carry_out(x: NctExecution, cycle: Cycle, axis: int, *, first: bool, last: bool) -> None:
-    """One hole. Behind the last one single block stops as behind any block with motion."""
+def _carry_out(x: NctExecution, cycle: Cycle, axis: int, count: int, *, last: bool) -> None:
+    """Hole number `count` of the block. Behind the last one single block stops as behind any block with motion."""
     hole = _hole(x, cycle, axis)
     threads = False
     steps = list(cycle.steps(hole))
+    _, begun = x.cycle.by_hand or (0, 0)
     for index, step in enumerate(steps):
+        if index < begun:
+            continue
         if threads is not _in_thread(step):
             threads = not threads
             _suppress(x, threads)
         if isinstance(step, Approach):
             _approach(x, axis)
-            if first:
+            if count == 0:
                 _functions(x)
         elif isinstance(step, StepHere):
             if index < len(steps) - 1 or not last:
                 x.block_end()
+        elif isinstance(step, OperatorStop):
+            _by_hand(x, cycle, count, index)
         else:
             _carry_out_step(x, axis, step)
     if threads:
         _suppress(x, False)
+
+
+def _by_hand(x: NctExecution, cycle: Cycle, count: int, index: int) -> None:
+    """The operator moves the axes until START. The block is executed once more then, from this step on, where they stand."""
+    x.cycle.by_hand = (count, index)
+    axes = tuple(range(len(x.setup.axes)))
+    begin_where_axes_are(x, ManualMotion(x.source, ManualKind.EXCLUSIVE, axes), f"G{cycle.code}")
+    if x.again is not None:
+        raise WaitForOutside(x.again)
+    x.cycle.by_hand = None
 
 
 def _approach(x: NctExecution, axis: int) -> None:

@@ -252,8 +252,6 @@ ERRORS: list[tuple[str, DecoderSetup, ErrorEntry, int]] = [
     ("M5 G84 X1 Z-5 R3 F100", SETUP, catalogue.SPINDLE_STANDS, 1),
     ("G76 X1 Z-5 R3 F100", SETUP, catalogue.NO_ORIENTATION, 1),
     ("G76 X1 K1 Z-5 R3 F100", ORIENT, catalogue.SHIFT_LETTER, 8),
-    ("G87 X1 Z-5 R3 F100", SETUP, catalogue.BY_HAND, 1),
-    ("G88 X1 Z-5 R3 F100", SETUP, catalogue.BY_HAND, 1),
     ("G87 X1 Z-5 R-30 F100", ORIENT, catalogue.SHIFT_MISSING, 1),
     ("G87 X1 I1 Z-5 R3 F100", ORIENT, catalogue.BACK_BORING_LEVELS, 1),
 ]
