@@ -59,6 +59,8 @@ NUMBER_FIRST = ErrorEntry(
     source="NCT programmer's manual line 6600",
 )
 
+NUMBER_LONG = ErrorEntry(324013, "the number has more than {limit} characters", remedy="eight digits are enough")
+
 # -- macro calls ---------------------------------------------------------------------------------------------------
 
 ARGUMENT_TWICE = ErrorEntry(

@@ -122,6 +122,11 @@ def suppress(x: NctExecution, variable: int, value: Value) -> None:
     x.emit(Suppression(x.source, now.feed_stop, now.override))
 
 
+@system_variable(3007, None, "nct.sysvar.status-and-counters", meaning="mirrored axes: bit 0 is the first axis")
+def mirrored(x: NctExecution, variable: int) -> Value:
+    return float(sum(1 << axis for axis in x.coordinates.transformations.mirrors))
+
+
 # ---------------------------------------------------------------------------------------------------- modal information
 
 

@@ -25,6 +25,7 @@ from runtime.kernel_cache import CACHE
 
 GRAMMAR_TABLES = "nct-block.lark.tables"
 MOST_BLOCK_NUMBER = 99_999
+MOST_DIGITS = 30  # of a number, its decimal point included; the control has eight
 _HEAD = re.compile(r"[ \t]*(?:(?P<skip>/)[ \t]*(?P<switch>\d?)[ \t]*)?(?:N[ \t]*(?P<number>\d+)(?![\d.]))?")
 _WORD = r"(,[ \t]*[CRA]|[A-Z])[ \t]*(I[ \t]*)?([+-]?(?:\d+(?:\.\d*)?|\.\d+))[ \t]*"
 _WORDS = re.compile(_WORD)
@@ -58,6 +59,8 @@ class _Builder(Transformer[Token, object]):
     """Called by the parser bottom-up while it reduces; nothing is kept between blocks."""
 
     def literal(self, token: Token) -> Expression:
+        if len(token) > MOST_DIGITS:
+            raise LineError(macros.NUMBER_LONG, _column(token), limit=MOST_DIGITS)
         return expressions.literal(token)
 
     def bracketed(self, inner: Expression) -> Expression:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -84,8 +85,10 @@ def decode(
     memory: ChannelMemory | None = None,
     outside: Outside | None = None,
     start: tuple[float, ...] = (0.0, 0.0, 0.0),
+    idle_limit: int = 20_000,
+    most: int = 100_000,
 ) -> Run:
-    """Decode a program; `files` lie beside it."""
+    """Decode a program, `most` blocks of it; `files` lie beside it."""
     with TemporaryDirectory() as directory:
         folder = Path(directory)
         for name, content in (files or {}).items():
@@ -95,12 +98,12 @@ def decode(
         program = load_program(path, setup, "nct")
         assert isinstance(program, NctProgram)
         decoder = NctDecoder(
-            program, setup, start=np.array(start), memory=memory, outside=outside, idle_limit=20_000
+            program, setup, start=np.array(start), memory=memory, outside=outside, idle_limit=idle_limit
         )  # fmt: skip
         blocks: list[Block] = []
         problem = None
         try:
-            blocks.extend(block for block in decoder.blocks() if not isinstance(block, Hold))
+            blocks.extend(block for block in islice(decoder.blocks(), most) if not isinstance(block, Hold))
         except ProgramError as error:
             problem = error.problem
         finally:

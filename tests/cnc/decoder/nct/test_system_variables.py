@@ -143,6 +143,12 @@ def test_stop_override_and_exact_stop_are_suppressed(bits: int) -> None:
     assert sum(isinstance(block, ExactStop) for block in run.blocks) == (1 if bits & 4 else 2)
 
 
+def test_mirrored_axes() -> None:
+    run = decode("#100=#3007\nG51.1 X0 Z0\n#101=#3007\nG50.1 X0\n#102=#3007\n#3007=1\nM30")
+    assert [run.value(n) for n in (100, 101, 102)] == [0.0, 5.0, 4.0]  # axes 1 and 3: line 7036
+    assert run.place == (catalogue.VARIABLE_READ_ONLY, 6, 1)
+
+
 # ---------------------------------------------------------------------------------------------------- modal information
 
 
