@@ -11,9 +11,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from runtime.cli.dialect_option import DialectOption
 from runtime.cli.explained import explained
 from runtime.cnc.block_json import rows
-from runtime.cnc.decoder import DIALECTS, ChannelMemory, DecoderSetup, ProgramError, decoder_of, load_program, located
+from runtime.cnc.decoder import ChannelMemory, DecoderSetup, ProgramError, decoder_of, load_program, located
 from runtime.cnc.path_preparation import Frames, PathError
 from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.config.loader import load_machine
@@ -27,14 +28,14 @@ def command(
     config: Annotated[
         Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    dialect: Annotated[str, typer.Option(help=f"Dialect of the program: {' or '.join(DIALECTS)}.")] = "isg",
+    dialect: DialectOption = "",
 ) -> None:
     """Print the blocks of a program as JSON lines. Errors go to standard error; exit code 1 if there are any."""
     try:
         machine = load_machine(config)
         setup = DecoderSetup.from_machine(machine)
         memory = ChannelMemory(setup, copied_tools(machine, os.environ), copied_offsets(machine, os.environ))
-        program = load_program(file, setup, dialect)
+        program = load_program(file, setup, dialect or machine.channels[0].dialect)
     except TandemError as error:
         _tell(error)
         raise typer.Exit(1) from None

@@ -14,9 +14,9 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn
 
+from runtime.cli.dialect_option import DialectOption
 from runtime.cli.explained import explained
 from runtime.cnc.decoder import (
-    DIALECTS,
     AnyDecoder,
     AnyProgram,
     ChannelMemory,
@@ -53,7 +53,7 @@ def command(
     config: Annotated[
         Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    dialect: Annotated[str, typer.Option(help=f"Dialect of the programs: {' or '.join(DIALECTS)}.")] = "isg",
+    dialect: DialectOption = "",
 ) -> None:
     """Parse and decode programs without motion; exit code 1 if there are errors.
 
@@ -72,7 +72,8 @@ def command(
         raise typer.Exit(1) from None
     failed = False
     for file in files:
-        problems, warnings = check(file, setup, limits, axes, dialect, tools, joints, offsets)
+        spoken = dialect or machine.channels[0].dialect
+        problems, warnings = check(file, setup, limits, axes, spoken, tools, joints, offsets)
         for problem in (*problems, *warnings):
             typer.echo(explained(problem))
         failed |= bool(problems)

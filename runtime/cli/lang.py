@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Annotated
 
@@ -11,9 +12,13 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from runtime.cnc.decoder import expect_dialect
+from runtime.cnc.decoder.nct import reference as nct
 from runtime.cnc.decoder.reference import CONTROL, Row, functions, g_functions, statements, variables, words
 
-SECTIONS = {
+Sections = dict[str, tuple[str, Callable[[], list[Row]]]]
+
+SECTIONS: Sections = {
     "g": ("G functions", g_functions),
     "words": ("Words of a block", words),
     "statements": ("# statements and cycle calls", statements),
@@ -21,19 +26,29 @@ SECTIONS = {
     "functions": ("Functions of expressions", functions),
     "variables": ("Predefined variables", variables),
 }
+NCT_SECTIONS: Sections = {
+    "g": ("G codes", nct.g_codes),
+    "m": ("M codes of the control itself", nct.m_codes),
+    "words": ("Addresses", nct.words),
+    "control": ("Control statements", lambda: nct.CONTROL),
+    "variables": ("System variables", nct.variables),
+}
 
 
 def command(
     word: Annotated[str, typer.Argument(help="Only what has this in its name or syntax.", show_default=False)] = "",
     as_json: Annotated[bool, typer.Option("--json", help="For editors: a list of objects.")] = False,
     section: Annotated[str, typer.Option(help=f"Only one section: {', '.join(SECTIONS)}.", show_default=False)] = "",
+    dialect: Annotated[str, typer.Option(help="Of which dialect: isg or nct.")] = "isg",
 ) -> None:
     """Print every function of the language with its syntax."""
-    if section and section not in SECTIONS:
-        typer.echo(f"section {section!r} does not exist; sections: {', '.join(SECTIONS)}", err=True)
+    expect_dialect(dialect)
+    sections = NCT_SECTIONS if dialect == "nct" else SECTIONS
+    if section and section not in sections:
+        typer.echo(f"section {section!r} does not exist; sections: {', '.join(sections)}", err=True)
         raise typer.Exit(1)
     if as_json:
-        chosen = {key: rows() for key, (_, rows) in SECTIONS.items() if section in ("", key)}
+        chosen = {key: rows() for key, (_, rows) in sections.items() if section in ("", key)}
         found_rows = [
             {"section": key, **asdict(row)} for key, rows in chosen.items() for row in rows if _matches(row, word)
         ]
@@ -41,12 +56,12 @@ def command(
         return
     console = Console(width=None if sys.stdout.isatty() else 140)
     found = False
-    for key, (title, rows) in SECTIONS.items():
+    for key, (title, rows) in sections.items():
         if section in ("", key):
             found |= _print(console, title, [row for row in rows() if _matches(row, word)])
     if not found:
         typer.echo(
-            f"nothing with {word!r} among {sum(len(rows()) for _, rows in SECTIONS.values())} functions", err=True
+            f"nothing with {word!r} among {sum(len(rows()) for _, rows in sections.values())} functions", err=True
         )
         raise typer.Exit(1)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from runtime.cli import INTERRUPTED
+from runtime.cli.dialect_option import DialectOption
 
 if TYPE_CHECKING:
     from runtime.config.machine import Machine
@@ -29,7 +30,7 @@ def command(
     config: Annotated[
         Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    dialect: Annotated[str, typer.Option(help="Dialect of the programs: isg or nct.")] = "isg",
+    dialect: DialectOption = "",
     name: Annotated[str, typer.Option(help="Name of the runtime: that of its shared memory.")] = "tandem",
     program: Annotated[
         Path | None, typer.Option(help="Start this program as soon as the machine is ready, and end with it.")
@@ -62,7 +63,8 @@ def command(
     if demo:
         program = program or DEMO_PROGRAM
         plot = plot or Path("tandem-demo.png")
-    expect_dialect(dialect)
+    if dialect:
+        expect_dialect(dialect)
     if program is not None and not program.is_file():
         raise ProgramError(FILE_MISSING, Place(file=str(program)), file=program)
     if plot is not None:

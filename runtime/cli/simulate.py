@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from runtime.cli.dialect_option import DialectOption
 from runtime.cli.search_place import HELP, search_order
 
 
@@ -17,7 +18,7 @@ def command(
     config: Annotated[
         Path | None, typer.Option("--config", "-c", help="Machine description; default: the built-in demo machine.")
     ] = None,
-    dialect: Annotated[str, typer.Option(help="Dialect of the program: isg or nct.")] = "isg",
+    dialect: DialectOption = "",
     trace: Annotated[
         Path | None, typer.Option(help="Write blocks, events, samples and summary into this folder.")
     ] = None,
@@ -44,11 +45,13 @@ def command(
 
     if watch:
         raise TandemError(system.OPTION_NOT_AVAILABLE, option="--watch", reason="no variable is recorded yet")
-    expect_dialect(dialect, str(file))
     search = search_order(start_at, passes, automatic=True) if start_at else None
+    if dialect:
+        expect_dialect(dialect, str(file))
     if plot is not None:
         plot.open("ab").close()  # fails now, not after the program
     machine = load_machine(config)
+    dialect = dialect or machine.channels[0].dialect
     prepare_kernels()
     simulation = Simulation(
         machine,

@@ -207,6 +207,7 @@ class Channel(Model):
     axes: Several[str] = Field(min_length=1, max_length=8)  # the first three are the main axes
     program_paths: Several[FileBeside] = (".",)  # where programs are looked for, if there are no path[] parameters
     zero_offsets: dict[ZeroOffsetName, dict[str, Length]] = Field(default_factory=dict)  # "G54" -> axis -> mm
+    dialect: Literal["isg", "nct"] = "isg"  # in which its programs are written
     backward_storage: int = Field(default=0, ge=0, le=20_000)  # records of path for backward motion (P-STUP-00033)
     nct: NctParameters = NctParameters()  # parameters of programs in the NCT dialect
     parameter_list: ParameterList | None = None  # list file of channel parameters; before `parameters`, which read it

@@ -5,12 +5,20 @@ Lengths in mm. `g`, `m`: which codes call which programs (G(9010) to G(9019), M(
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
+from runtime.config.contradictions import Contradiction, ContradictionError
 from runtime.config.model import Model, Several
-from runtime.config.quantity_fields import Length
+from runtime.config.quantity_fields import Length, Velocity
+from runtime.diagnostics.catalogue import nct as errors
+
+RotaryAddress = Literal["A", "B", "C"]
+StartCode = Literal["G00", "G01", "G17", "G18", "G20", "G21", "G90", "G91", "G94", "G95"]
+_PAIRS = (("G00", "G01"), ("G17", "G18"), ("G20", "G21"), ("G90", "G91"), ("G94", "G95"))
+_USUAL = ("G01", "G17", "G21", "G90", "G94")
+DECIMALS = {"IS-A": 2, "IS-B": 3, "IS-C": 4}
 
 _CALLS = (65.0, 66.0, 66.1, 67.0)
 _PROGRAM_FLOW = (0, 1, 2, 30, 98, 99)
@@ -61,9 +69,39 @@ class NctParameters(Model):
     i_line: str = ""  # external variable (UNS16) with the inputs #1000 to #1015
     o_line: str = ""  # external variable (UNS16) with the outputs #1100 to #1115
     modgequ: bool = False  # modal G codes call in the place of each block, else behind each motion
+    codes: Several[StartCode] = ()  # what holds at program start where the table of G codes leaves a choice
+    increment: Literal["IS-A", "IS-B", "IS-C"] = "IS-B"  # input increment: 0.01, 0.001, 0.0001 mm or degrees
+    feed: Velocity = 0.0  # at program start, 0: a program has to give one
+    raddif: Length = 0.01  # by which the radii at start and end of an arc may differ
+    helicalf: bool = False  # F holds on the path of a helix, and not on its circle
+    second: bool = False  # G04 P are always seconds
+    poscheck: bool = False  # exact stop behind G00
+    feedmax: dict[str, Velocity] = Field(default_factory=dict)  # axis -> greatest feed, without override
+    miscel: dict[RotaryAddress, Annotated[int, Field(ge=0)]] = Field(default_factory=dict)  # address -> H function
 
     @property
     def protected(self) -> tuple[int, int]:
         """First and last of the common variables that programs cannot write, (0, 0) for none."""
         first, last = self.wrprot1 or self.wrprot2, self.wrprot2 or self.wrprot1
         return (0, 0) if first is None or last is None else (first, last)
+
+    @model_validator(mode="after")
+    def _one_of_each_pair(self) -> NctParameters:
+        for first, second in _PAIRS:
+            if first in self.codes and second in self.codes:
+                values = {"first": first, "second": second}
+                raise ContradictionError([Contradiction(errors.START_CODES, ("codes",), values)])
+        return self
+
+    @property
+    def start_codes(self) -> tuple[str, ...]:
+        """One code of each pair."""
+        return tuple(
+            next((code for code in pair if code in self.codes), usual)
+            for pair, usual in zip(_PAIRS, _USUAL, strict=True)
+        )
+
+    @property
+    def decimals(self) -> int:
+        """Decimals of a length in mm and of an angle; one more in inch."""
+        return DECIMALS[self.increment]

@@ -12,7 +12,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from runtime.cnc.blocks import Block, Floats
-from runtime.cnc.decoder import AnyDecoder, AnyProgram, ChannelMemory, DecoderSetup, decoder_of, load_program, located
+from runtime.cnc.decoder import (
+    AnyDecoder,
+    AnyProgram,
+    ChannelMemory,
+    DecoderSetup,
+    decoder_of,
+    load_program,
+    located,
+)
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.path_preparation import (
@@ -41,8 +49,8 @@ Source = Callable[[StartOrder, RunningMachine], Iterator[Block]]
 class Preparation:
     """`poll` acts on the waiting order and then moves one batch of blocks; it never blocks on the queue.
 
-    `outside` is what the decoder sees of the machine, `tools` its tool table, `offsets` its offset table. `source` takes the
-    place of file and decoder: it makes the blocks of a program that is started.
+    `outside` is what the decoder sees of the machine, `tools` its tool table, `offsets` its offset table, `dialect` that of the
+    programs, "" as described. `source` takes the place of file and decoder: it makes the blocks of a program that is started.
     """
 
     def __init__(
@@ -55,7 +63,7 @@ class Preparation:
         *,
         tools: ToolTable | None = None,
         offsets: OffsetTable | None = None,
-        dialect: str = "isg",
+        dialect: str = "",
         on_block: Callable[[Block], None] | None = None,
         source: Source | None = None,
     ) -> None:
@@ -73,7 +81,7 @@ class Preparation:
         self._outside = outside
         self._source = source or self._decoded
         self._flushes = 0  # places of #FLUSH WAIT in the queue
-        self._dialect = dialect
+        self._dialect = dialect or machine.channels[channel].dialect
         self._on_block = on_block
         self._blocks: Iterator[Block] | None = None
         self._writer: QueueWriter | None = None

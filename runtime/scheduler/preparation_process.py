@@ -37,7 +37,7 @@ def main() -> None:
     parser.add_argument("--machine", type=Path)
     parser.add_argument("--name", required=True)
     parser.add_argument("--channel", type=int, default=0)
-    parser.add_argument("--dialect", default="isg")
+    parser.add_argument("--dialect", default="")
     parser.add_argument(
         "--begin", type=int, default=-1, help="eventfd that is raised when the shared memories are there"
     )

@@ -93,7 +93,7 @@ class Simulation:
         machine: Machine,
         *,
         ideal_axes: bool = False,
-        dialect: str = "isg",
+        dialect: str = "",  # "": as the description says
         trace: Path | None = None,
         samples: bool = False,
         plc: bool = True,

@@ -60,7 +60,7 @@ class RunOptions:
 
     machine_file: Path | None
     name: str = "tandem"
-    dialect: str = "isg"
+    dialect: str = ""  # "": as the description says
     simulated_drives: bool = False
     start_limit: float = 60.0  # s that each step of the start may take: bus booted, processes up, first cycle
 

@@ -9,6 +9,7 @@
     stored zero offsets, their default (line 4633)        G functions, feed, active offsets, mirroring, rotation
     compensation registers, the common offset             what was read from a register
     intermediate points of G28 and G30
+    G20, G21 of NCT programs
     synchronisation of M and H functions                  loops, modal cycles, single-step locks
     work and protection spaces, which are active          coordinate systems
 
@@ -89,6 +90,7 @@ class ChannelMemory:
         self.timer_begin = 0.0  # ms of the runtime at which #3001 would be 0
         self.control_areas: dict[int, ControlArea] = {}  # defined by #CONTROL AREA
         self.active_areas: list[int] = []  # in the order of their selection
+        self.inch: bool | None = None  # G20, G21 of NCT programs, None until one has said it
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so
         self.parameter_arrays: Scope | None = None

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from inspect import getdoc
 
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, VARIABLES
+from runtime.cnc.decoder.reference_row import Row as Row
 from runtime.cnc.language.isg.functions import FUNCTIONS, MANY
 from runtime.cnc.language.isg.syntax import Group
 from runtime.cnc.language.isg.words import Control, ValueKind, WordKind
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One function: its name, how it is written, how long it holds, what it does."""
-
-    name: str
-    syntax: str
-    holds: str
-    meaning: str
-
 
 _CONTROL_SYNTAX = {
     Control.IF: "$IF <condition> [$GOTO <label>]",

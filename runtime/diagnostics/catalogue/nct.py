@@ -82,6 +82,22 @@ CONFLICTING_M = ErrorEntry(
     321005, "3032 CONFLICTING M CODES: M{number:02d} and M{other:02d} belong to the same group", remedy="use two blocks"
 )
 TOO_MANY_M = ErrorEntry(321006, "3032 CONFLICTING M CODES: more than {most} in the block", remedy="use two blocks")
+PLANE_MISSING = ErrorEntry(321007, "the channel has no axes of this plane", remedy="it has: {axes}")
+ANGLE_COORDINATE = ErrorEntry(
+    321008, "a straight line by ,A: {reason}", remedy="program one coordinate of the plane beside ,A"
+)
+POLAR_TURNS = ErrorEntry(
+    321009,
+    "3014 ERRONEOUS CIRCLE DEF.: the angle goes round against the sense of the arc",
+    remedy="G02 goes with falling angles, G03 with rising ones",
+)
+CORNER_BOTH = ErrorEntry(321010, "3017 ,C AND ,R IN ONE BLOCK", remedy="program one of them")
+CORNER_DEFINITION = ErrorEntry(
+    321011,
+    "3081 DEFINITION ERROR ,C ,R: {reason}",
+    remedy="a chamfer or rounding stands between two of G01, G02, G03 in the plane",
+)
+CORNER_HIGH = ErrorEntry(321012, "3084 ,C ,R TOO HIGH: it does not fit between the motions", remedy="make it smaller")
 
 # -- subprograms ---------------------------------------------------------------------------------------------------
 
@@ -98,3 +114,7 @@ NO_PROGRAM = ErrorEntry(
     "3073 NOT EXISTING PROGRAM: O{number:04d} is neither in this file nor in: {folders}",
     remedy="a program has the file name O{number:04d}.nc, or stands in the file of its caller",
 )
+
+# -- the machine description ---------------------------------------------------------------------------------------
+
+START_CODES = ErrorEntry(320050, "codes: {first} and {second} exclude each other", remedy="name one of them")

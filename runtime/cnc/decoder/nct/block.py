@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import math
 
-from runtime.cnc.blocks import Arc, Dwell, Line, Polyline, Polynomials, Source, SpatialArc, Stop, StopKind
+from runtime.cnc.blocks import Arc, Dwell, ExactStop, Line, Polyline, Polynomials, Source, SpatialArc, Stop, StopKind
+from runtime.cnc.decoder.feed_group import MAIN_AXES
 from runtime.cnc.decoder.modal import FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT
+from runtime.cnc.decoder.nct.corners import corner_of
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.functions import functions_of, m_numbers
@@ -77,16 +79,18 @@ class WordBlocks:
         motion, feed = modal.motion, modal.feeds.get(FeedMode.PER_MINUTE)
         end = coordinates.position.copy()
         gain, shift = coordinates.gain, coordinates.shift
+        if x.nct.feedmax:
+            return False
         assert block.constants is not None
         for word, value in zip(block.words, block.constants, strict=True):
             assert value is not None
             if word.address == "G":
                 motion = Motion.LINEAR if value else Motion.RAPID
             elif word.address == "F":
-                feed = x.length(value)
+                return False
             else:
                 axis = x.axis_of.get(word.address)
-                if axis is None or axis in x.modulo.ranges:
+                if axis is None or axis in x.modulo.ranges or axis >= MAIN_AXES or not x.setup.linear[axis]:
                     return False
                 value = x.axis_value(axis, value)
                 place = value * gain[axis] + (end[axis] if modal.incremental else shift[axis])
@@ -97,8 +101,6 @@ class WordBlocks:
             return False
         modal.motion = motion
         x.active[Group.MOTION] = 10 * int(motion)
-        if feed:
-            modal.feeds[FeedMode.PER_MINUTE] = feed
         name = frame.unit.name
         if x.source.program is not name:
             x.source = Source(name, block.source.line, None if block.number < 0 else block.number)
@@ -134,6 +136,7 @@ class WordBlocks:
             x.end_of_cycle()
         self._once(words)
         words.take(_FUNCTION_ADDRESSES)
+        words.take(x.nct.miscel)
         numbers = m_numbers(words)
         for code in codes:
             words.take(code.takes)
@@ -154,6 +157,7 @@ class WordBlocks:
         words.take(mover.takes)
         self._expect_taken(words)
         x.compensation.follow(x)
+        x.corner = corner_of(x)
         functions = x.block_functions = functions_of(x, words, numbers)
         moves = not moves_by_code and not x.axes_taken and bool(x.axis_words or own)
         within = moves and mover.functions_within
@@ -168,7 +172,10 @@ class WordBlocks:
             mover.moves(x)
         moved = x.collected > collected or any(isinstance(out, MOTIONS) for out in x.out[since:])
         dwelt = any(isinstance(out, Dwell) for out in x.out[since:])
-        x.stop_exactly(moved)
+        if moved and x.stops_here and not x.suppressed.exact_stop:
+            x.emit(ExactStop(x.source))
+        else:
+            x.stop_exactly(moved)
         if not within:
             for behind in functions.trailing():
                 x.emit(behind)
@@ -207,6 +214,8 @@ class WordBlocks:
         x.exact_stop = 0
         x.override_off = x.brake_in_front = False
         x.actions = []
+        x.stops_here = False
+        x.corner = None
 
     def _once(self, words: BlockWords) -> None:
         """LineError for an address that the channel does not have, and for one that stands twice."""

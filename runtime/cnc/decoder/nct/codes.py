@@ -5,6 +5,7 @@ from __future__ import annotations
 import runtime.cnc.decoder.nct.expressions
 import runtime.cnc.decoder.nct.g_compensation
 import runtime.cnc.decoder.nct.g_cycles
+import runtime.cnc.decoder.nct.g_feed
 import runtime.cnc.decoder.nct.g_length
 import runtime.cnc.decoder.nct.g_macros
 import runtime.cnc.decoder.nct.g_motion

@@ -17,6 +17,7 @@ from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.motion import PLANES
 from runtime.cnc.decoder.nct import codes  # noqa: F401 - registers the dialect
 from runtime.cnc.decoder.nct.block import WordBlocks
+from runtime.cnc.decoder.nct.corners import with_corners
 from runtime.cnc.decoder.nct.execution import NctExecution, OutOfStepError
 from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.levels import Levels
@@ -94,7 +95,7 @@ class NctDecoder:
         """
         corners = Corners(self._x.setup.axes)
         corners.warnings = self._x.warnings
-        return corners(self._blocks())
+        return with_corners(self._blocks(), corners)
 
     def _blocks(self) -> Iterator[Block]:
         x = self._x

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from runtime.cnc.blocks import Floats, Source
+from runtime.cnc.blocks import Corner, Floats, Source
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.execution import COMPILED_BLOCKS, Execution
 from runtime.cnc.decoder.library import Library as IsgLibrary
 from runtime.cnc.decoder.memory import ChannelMemory
+from runtime.cnc.decoder.modal import INCH
 from runtime.cnc.decoder.nct.coordinates import NumberedCoordinates
 from runtime.cnc.decoder.nct.cycle_data import CycleData
 from runtime.cnc.decoder.nct.flow import Flow
@@ -31,7 +32,7 @@ from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.outside import Outside
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import CalculationError, LineError, ProgramError
-from runtime.cnc.language.nct.addresses import COORDINATES
+from runtime.cnc.language.nct.addresses import COORDINATES, rounded
 from runtime.cnc.language.nct.compiler import CompiledBlock, compile_block
 from runtime.cnc.language.nct.functions import Value
 from runtime.cnc.language.nct.parser import block_parser
@@ -77,9 +78,15 @@ class NctExecution(Execution):
         start: Floats,
         skip_levels: Callable[[], int],
     ) -> None:
+        self.nct = setup.nct
+        if self.nct.poscheck and not setup.exact_stop_after_rapid:
+            setup = replace(setup, exact_stop_after_rapid=True)
         super().__init__(setup, memory, outside, IsgLibrary(setup.addresses, ()), start, skip_levels)
+        self.modal.feed = self.nct.feed * 60.0 or None
         self.programs = library
-        self.axis_of = {name: index for index, name in enumerate(setup.axes) if name in COORDINATES}
+        self.axis_of = {
+            name: index for index, name in enumerate(setup.axes) if name in COORDINATES and name not in self.nct.miscel
+        }
         self.stack: list[Frame] = []
         self.words: BlockWords = NOTHING  # of the block in work
         self.work: CompiledBlock | None = None  # the block in work
@@ -91,6 +98,9 @@ class NctExecution(Execution):
         self.flow = Flow(self)
         self.variables = Variables(memory.common, lambda: self.stack[-1].locals, self.read_system, self.write_system)
         self.in_step = False  # the path has come to the block in work
+        self.polar_angle: float | None = None  # of the last point that was programmed by one, degrees
+        self.stops_here = False  # G09 in the block in work
+        self.corner: Corner | None = None  # of ,C or ,R of the block in work
         self.sequence_number = 0  # the last N word
         self.number_before = 0  # that of the block before
         self.length_before: tuple[float, ...] = (0.0,) * len(setup.axes)  # tool lengths before the block in work, mm
@@ -165,6 +175,24 @@ class NctExecution(Execution):
             entry = macros.VARIABLE_UNKNOWN if found is None else macros.VARIABLE_READ_ONLY
             raise CalculationError(entry, f"#{number}", number=number)
         found.write(self, number, value)
+
+    # ------------------------------------------------------------------ values in the units of the program
+
+    def axis_value(self, axis: int, value: float) -> float:
+        """A programmed axis value in mm or degrees, rounded to the input increment (line 1658)."""
+        decimals = self.nct.decimals
+        if self.modal.inch and self.setup.linear[axis]:
+            return rounded(value, decimals + 1) * INCH
+        return rounded(value, decimals)
+
+    def length(self, value: float) -> float:
+        """A programmed length in mm, rounded to the input increment."""
+        decimals = self.nct.decimals
+        return rounded(value, decimals + 1) * INCH if self.modal.inch else rounded(value, decimals)
+
+    def angle(self, value: float) -> float:
+        """A programmed angle in degrees, rounded to the input increment."""
+        return rounded(value, self.nct.decimals)
 
     # ------------------------------------------------------------------ compiled blocks
 

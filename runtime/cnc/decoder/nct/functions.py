@@ -1,12 +1,13 @@
 """The functions of a block: M, S and T in the order of the control, with their synchronisation (manual lines 2762–2927).
 
-M06 ─ T ─ M11…M18 ─ S ─ M03 M04 M05 M19 ─ M07 M08 M09 ─ other M ─ program control
+M06 ─ T ─ M11…M18 ─ S ─ M03 M04 M05 M19 ─ M07 M08 M09 ─ other M ─ A B C ─ program control
 """
 
 from __future__ import annotations
 
 from runtime.cnc.blocks import Technology
 from runtime.cnc.decoder.block_functions import Functions, put_out, put_out_tool
+from runtime.cnc.decoder.nct.auxiliary import put_out_auxiliary
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.spindles import SpindleWords
@@ -79,6 +80,7 @@ def functions_of(x: NctExecution, words: BlockWords, numbers: list[tuple[int, in
         for number, column in numbers:
             if group_of(number) == group and group != 3:
                 _miscellaneous(x, functions, number, column)
+    put_out_auxiliary(x, functions)
     for number, column in numbers:
         if number in PROGRAM_CONTROL and number not in ENDS and number in x.memory.m_synch:
             put_out(x, functions, Technology.M, number, 0.0, column)

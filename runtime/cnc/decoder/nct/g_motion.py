@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from runtime.cnc.decoder.modal import FeedMode, Motion
+from runtime.cnc.decoder.modal import INCH, FeedMode, Motion
 from runtime.cnc.decoder.motion import dwell_time
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.motion import arc, line
@@ -13,20 +13,34 @@ from runtime.diagnostics.catalogue import nct as catalogue
 
 LONGEST_DWELL = 99_999.999
 
+# mm/min or mm/rev by increment (lines 1909–1981): least and greatest F
+PER_MINUTE = {"IS-A": (0.001, 250_000.0), "IS-B": (0.0001, 25_000.0), "IS-C": (0.00001, 2_500.0)}
+PER_REVOLUTION = {"IS-A": (0.0001, 5_000.0), "IS-B": (0.00001, 500.0), "IS-C": (0.000001, 50.0)}
+FEEDS = (PER_MINUTE, PER_REVOLUTION)
 
-@g_code("0", Group.MOTION, "nct.motion.positioning-g00", meaning="positioning in rapid traverse", moves=line)
+
+@g_code(
+    "0",
+    Group.MOTION,
+    "nct.motion.positioning-g00",
+    meaning="positioning in rapid traverse",
+    takes=(",A", ",C", ",R"),
+    moves=line,
+)
 def rapid(x: NctExecution, call: GCall) -> None:
     x.modal.motion = Motion.RAPID
 
 
-@g_code("1", Group.MOTION, "nct.motion.linear-g01", meaning="straight line at feed", moves=line)
+@g_code(
+    "1", Group.MOTION, "nct.motion.linear-g01", meaning="straight line at feed", takes=(",A", ",C", ",R"), moves=line
+)
 def linear(x: NctExecution, call: GCall) -> None:
     x.modal.motion = Motion.LINEAR
 
 
 @g_code(
     "2", Group.MOTION, "nct.motion.circular-g02-g03", "nct.motion.spiral", "nct.motion.helical",
-    meaning="arc, clockwise", takes="IJKR", moves=arc,
+    meaning="arc, clockwise", takes=("I", "J", "K", "R", ",C", ",R"), moves=arc,
 )  # fmt: skip
 def clockwise(x: NctExecution, call: GCall) -> None:
     x.modal.motion = Motion.CIRCLE_CW
@@ -34,7 +48,7 @@ def clockwise(x: NctExecution, call: GCall) -> None:
 
 @g_code(
     "3", Group.MOTION, "nct.motion.circular-g02-g03", "nct.motion.spiral", "nct.motion.helical",
-    meaning="arc, counter-clockwise", takes="IJKR", moves=arc,
+    meaning="arc, counter-clockwise", takes=("I", "J", "K", "R", ",C", ",R"), moves=arc,
 )  # fmt: skip
 def counter_clockwise(x: NctExecution, call: GCall) -> None:
     x.modal.motion = Motion.CIRCLE_CCW
@@ -60,7 +74,7 @@ def dwell(x: NctExecution, call: GCall) -> None:
 
 def dwell_here(x: NctExecution, value: float, column: int) -> None:
     """A dwell as P says it: seconds, with G95 revolutions of the spindle."""
-    if x.modal.feed_mode is not FeedMode.PER_REVOLUTION:
+    if x.nct.second or x.modal.feed_mode is not FeedMode.PER_REVOLUTION:
         dwell_time(x, value, column)
         return
     if x.modal.speed <= 0:
@@ -74,4 +88,9 @@ def dwell_here(x: NctExecution, value: float, column: int) -> None:
     meaning="feed along the path, mm/min or inch/min (G94), mm or inch per revolution (G95)",
 )
 def feed(x: NctExecution, value: float, column: int) -> None:
-    x.modal.feed = x.length(value)
+    unit = INCH if x.modal.inch else 1.0
+    revolution = x.modal.feed_mode is FeedMode.PER_REVOLUTION
+    least, most = (number / unit for number in FEEDS[revolution][x.nct.increment])
+    if value and not least <= value <= most:
+        raise LineError(catalogue.VALUE_EXCESS, column, address="F", value=value, least=least, most=most)
+    x.modal.feed = value * unit

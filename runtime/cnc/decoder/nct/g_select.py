@@ -19,6 +19,7 @@ def _plane(x: NctExecution, call: GCall, plane: Plane) -> None:
     if x.coordinates.rotation is not None:
         raise LineError(PLANE_TURNED, call.column)
     x.modal.plane = plane
+    x.polar_angle = None
     plane_changed(x, call.column)
 
 
@@ -37,14 +38,29 @@ def plane_yz(x: NctExecution, call: GCall) -> None:
     _plane(x, call, Plane.YZ)
 
 
+@g_code("15", Group.POLAR, "nct.coord.polar-data-g15-g16", meaning="Cartesian coordinates")
+def cartesian(x: NctExecution, call: GCall) -> None:
+    x.polar_angle = None
+
+
+@g_code(
+    "16",
+    Group.POLAR,
+    "nct.coord.polar-data-g15-g16",
+    meaning="polar coordinates: radius and angle at the axes of the plane",
+)
+def polar(x: NctExecution, call: GCall) -> None:
+    x.polar_angle = None
+
+
 @g_code("20", Group.UNIT, "nct.config.inch-metric-g20-g21", meaning="inch")
 def inch(x: NctExecution, call: GCall) -> None:
-    x.modal.inch = True
+    _unit(x, call, True)
 
 
 @g_code("21", Group.UNIT, "nct.config.inch-metric-g20-g21", meaning="millimetres")
 def metric(x: NctExecution, call: GCall) -> None:
-    x.modal.inch = False
+    _unit(x, call, False)
 
 
 @g_code("90", Group.DIMENSION, "nct.coord.absolute-incremental-g90-g91", meaning="absolute coordinates")
@@ -65,6 +81,13 @@ def per_minute(x: NctExecution, call: GCall) -> None:
 @g_code("95", Group.FEED_MODE, "nct.feed.cutting-g94-g95", meaning="feed per revolution of the spindle")
 def per_revolution(x: NctExecution, call: GCall) -> None:
     _feed_mode(x, FeedMode.PER_REVOLUTION)
+
+
+def _unit(x: NctExecution, call: GCall, inch: bool) -> None:
+    """A programmed unit holds for the programs behind too (line 1624)."""
+    x.modal.inch = inch
+    if not call.modal:
+        x.memory.inch = inch
 
 
 def _feed_mode(x: NctExecution, mode: FeedMode) -> None:

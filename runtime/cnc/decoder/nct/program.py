@@ -6,7 +6,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from runtime.cnc.decoder.nct import codes  # noqa: F401 - registers the dialect
+from runtime.cnc.decoder.nct.block import g_calls
+from runtime.cnc.decoder.nct.functions import m_numbers
 from runtime.cnc.decoder.nct.library import Library
+from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import LineError, ProgramErrors
 from runtime.cnc.language.nct.addresses import checked
@@ -82,9 +86,12 @@ def _look(unit: Unit, progress: Progress | None) -> Iterator[Problem]:
     for count, text in enumerate(unit.blocks(section.begin, section.line), 1):
         try:
             parsed = parser.parse(text.text)
-            for word in parsed.words:
-                if word.value.constant is not None:
-                    checked(word.address, word.value.constant, word.column)
+            known = [(word, word.value.constant) for word in parsed.words if word.value.constant is not None]
+            for word, value in known:
+                checked(word.address, value, word.column)
+            words = BlockWords(known, {})
+            m_numbers(words)
+            g_calls(words)
         except LineError as error:
             problem = _problem(unit, text, error)
             yield _warning(problem) if passed or text.text.lstrip().startswith("/") else problem

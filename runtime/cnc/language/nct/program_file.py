@@ -5,8 +5,7 @@
     %                      ...
 
 A block is a line, so a program level stands at an offset of the file and nothing of what it has passed is kept: a program of
-any length starts at once and takes the same small memory. A file may hold several programs; one without a number is the whole
-file.
+any length starts at once and takes the same small memory. A file may hold several programs, the first one without a number.
 """
 
 from __future__ import annotations
@@ -136,15 +135,15 @@ class Unit:
         """The programs of the file in their order. What stands behind the closing % of a program and in front of the next one is
         no program (the trailer of a transfer)."""
         offset, line = self.text.start, 1
-        numbered = False
+        begun = False
         while offset < self.text.size:
             text, following = self._line(offset)
             if _is_header(text):
-                numbered = True
+                begun = True
                 yield self._section(text, following, line)
-            elif not numbered and text.strip() not in ("", "%"):
+            elif not begun and text.strip() not in ("", "%"):
+                begun = True
                 yield Section(None, "", offset, line)
-                return
             offset, line = following, line + 1
 
     def _section(self, text: str, following: int, line: int) -> Section:

@@ -15,6 +15,7 @@ from runtime.cnc.decoder import ChannelMemory, DecoderSetup, Outside, ProgramErr
 from runtime.cnc.decoder.nct.decoder import NctDecoder
 from runtime.cnc.decoder.nct.program import NctProgram
 from runtime.cnc.search_target import BlockSearch
+from runtime.config.nct import NctParameters
 from runtime.diagnostics.errors import ErrorEntry, Problem
 from tests.cnc.decoder.programs import SETUP as ISG_SETUP
 
@@ -23,6 +24,7 @@ SETUP = replace(
     zero_offsets={},
     m_synch=dict.fromkeys((0, 1, 2, 6, 7, 8, 9, 10, 11, 12, 20, 21, 30), Synch.MOS),
     tool_synch=Synch.MOS,
+    nct=NctParameters(codes=("G00",)),
 )
 
 
@@ -69,6 +71,7 @@ def decode(
     """Decode a program; a program that waits for the outside is asked again until it stops waiting."""
     with tempfile.TemporaryDirectory() as folder:
         for name, content in {"O1000.nc": text, **(files or {})}.items():
+            (Path(folder) / name).parent.mkdir(exist_ok=True)
             (Path(folder) / name).write_text(content, encoding="latin-1")
         blocks: list[Block] = []
         decoder = None

@@ -6,9 +6,12 @@ import re
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 from runtime.cnc.decoder.nct.registry import G_CODES, GCall
 from runtime.cnc.language.errors import LineError
+from runtime.config.contradictions import ContradictionError
+from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import nct as C  # noqa: N812
 from runtime.diagnostics.errors import ErrorEntry
 from tests.cnc.decoder.nct.programs import decode, found
@@ -70,6 +73,15 @@ CASES: list[tuple[str, ErrorEntry, int, int]] = [
 @pytest.mark.parametrize(("text", "entry", "line", "column"), CASES)
 def test_errors(text: str, entry: ErrorEntry, line: int, column: int) -> None:
     assert found(text) == (entry, line, column)
+
+
+def test_codes_of_the_start_that_exclude_each_other() -> None:
+    with pytest.raises(ValidationError) as caught:
+        NctParameters(codes=("G90", "G00", "G91"))
+    (error,) = caught.value.errors()
+    cause = error["ctx"]["error"]
+    assert isinstance(cause, ContradictionError)
+    assert [found.entry for found in cause.contradictions] == [C.START_CODES]
 
 
 def test_nothing_moves_before_a_faulty_program_is_told() -> None:
