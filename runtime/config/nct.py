@@ -17,7 +17,7 @@ from runtime.diagnostics.catalogue import nct as errors
 RotaryAddress = Literal["A", "B", "C"]
 StartCode = Literal["G00", "G01", "G17", "G18", "G20", "G21", "G90", "G91", "G94", "G95"]
 _PAIRS = (("G00", "G01"), ("G17", "G18"), ("G20", "G21"), ("G90", "G91"), ("G94", "G95"))
-_USUAL = ("G01", "G17", "G21", "G90", "G94")
+_USUAL = ("G00", "G17", "G21", "G90", "G94")
 DECIMALS = {"IS-A": 2, "IS-B": 3, "IS-C": 4}
 
 _CALLS = (65.0, 66.0, 66.1, 67.0)

@@ -13,7 +13,7 @@ from runtime.cnc.blocks import Block, ExactStop, ManualKind, ManualMotion, Suppr
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.feed import require_feed
 from runtime.cnc.decoder.modal import Motion, Plane
-from runtime.cnc.decoder.motion import expect_in_range, straight, target
+from runtime.cnc.decoder.motion import expect_in_range, straight
 from runtime.cnc.decoder.nct import drilling
 from runtime.cnc.decoder.nct.cycle_data import Level, tool_length
 from runtime.cnc.decoder.nct.drilling import (
@@ -32,6 +32,7 @@ from runtime.cnc.decoder.nct.drilling import (
 )
 from runtime.cnc.decoder.nct.execution import TO_INITIAL, NctExecution
 from runtime.cnc.decoder.nct.g_motion import dwell_here
+from runtime.cnc.decoder.nct.goals import goal
 from runtime.cnc.decoder.nct.registry import GCall, Group, g_code
 from runtime.cnc.decoder.outside import WaitForOutside
 from runtime.cnc.decoder.places import begin_where_axes_are
@@ -285,7 +286,7 @@ def _approach(x: NctExecution, axis: int) -> None:
     x.axis_words = {other: value for other, value in words.items() if other != axis}
     try:
         if x.axis_words:
-            _to(x, target(x, x.words), Motion.RAPID)
+            _to(x, goal(x).end, Motion.RAPID)
     finally:
         x.axis_words = words
 

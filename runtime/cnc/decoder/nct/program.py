@@ -10,15 +10,17 @@ from runtime.cnc.decoder.nct import codes  # noqa: F401 - registers the dialect
 from runtime.cnc.decoder.nct.block import g_calls
 from runtime.cnc.decoder.nct.functions import m_numbers
 from runtime.cnc.decoder.nct.library import Library
+from runtime.cnc.decoder.nct.registry import G_CODES, tenths_of
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import LineError, ProgramErrors
 from runtime.cnc.language.nct.addresses import checked
 from runtime.cnc.language.nct.parser import block_parser
 from runtime.cnc.language.nct.program_file import BlockText, Unit
-from runtime.cnc.language.nct.words import Control, ParsedBlock
+from runtime.cnc.language.nct.words import Control, ParsedBlock, Word
 from runtime.diagnostics.errors import Problem, Reaction, Severity
 
+BLOCKS_AS_ARGUMENTS = 661  # G66.1
 MAX_PROBLEMS = 20  # told per program
 CHECKED_BEFORE_START = 1 << 18  # bytes; longer programs start before they are read to their end
 
@@ -56,7 +58,7 @@ def open_program(path: Path, setup: DecoderSetup) -> NctProgram:
         unit = library.open(path, path.name)
         _ = unit.main
         if unit.text.size <= CHECKED_BEFORE_START:
-            found = _look(unit, None)
+            found = _look(unit, setup, None)
             problems = [problem for problem in found if problem.entry.severity >= Severity.ERROR]
             if problems:
                 raise ProgramErrors(problems[:MAX_PROBLEMS])
@@ -74,13 +76,15 @@ def look_through(path: Path, setup: DecoderSetup, progress: Progress | None = No
     """
     library = Library([path.parent])
     try:
-        yield from _look(library.open(path, path.name), progress)
+        yield from _look(library.open(path, path.name), setup, progress)
     finally:
         library.close()
 
 
-def _look(unit: Unit, progress: Progress | None) -> Iterator[Problem]:
+def _look(unit: Unit, setup: DecoderSetup, progress: Progress | None) -> Iterator[Problem]:
     parser = block_parser()
+    own = {tenths_of(abs(code)) for code in setup.nct.g.values()}  # codes that call programs
+    arguments = False  # behind G66.1 the words of a block may be arguments
     passed = False  # a jump, or a block that may be skipped, stands before
     section = unit.main
     for count, text in enumerate(unit.blocks(section.begin, section.line), 1):
@@ -89,9 +93,9 @@ def _look(unit: Unit, progress: Progress | None) -> Iterator[Problem]:
             known = [(word, word.value.constant) for word in parsed.words if word.value.constant is not None]
             for word, value in known:
                 checked(word.address, value, word.column)
-            words = BlockWords(known, {})
-            m_numbers(words)
-            g_calls(words)
+            arguments = arguments or _starts_arguments(known)
+            if not arguments:
+                _look_at_codes(known, own)
         except LineError as error:
             problem = _problem(unit, text, error)
             yield _warning(problem) if passed or text.text.lstrip().startswith("/") else problem
@@ -101,6 +105,20 @@ def _look(unit: Unit, progress: Progress | None) -> Iterator[Problem]:
             progress(text.following, unit.text.size)
     if progress:
         progress(unit.text.size, unit.text.size)
+
+
+def _starts_arguments(known: list[tuple[Word, float]]) -> bool:
+    return any(word.address == "G" and tenths_of(value) == BLOCKS_AS_ARGUMENTS for word, value in known)
+
+
+def _look_at_codes(known: list[tuple[Word, float]], own: set[int]) -> None:
+    """LineError for codes that there are not, or that exclude each other; a block that calls a program has arguments instead."""
+    numbers = [tenths_of(value) for word, value in known if word.address == "G"]
+    if any(number in own or (number in G_CODES and G_CODES[number].all_words) for number in numbers):
+        return
+    words = BlockWords(known, {})
+    m_numbers(words)
+    g_calls(words)
 
 
 def _jumps(parsed: ParsedBlock) -> bool:

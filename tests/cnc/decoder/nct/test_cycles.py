@@ -247,7 +247,7 @@ ERRORS: list[tuple[str, DecoderSetup, ErrorEntry, int]] = [
     ("G83 X1 Z-5 R3 Q-1 F100", SETUP, catalogue.CUT_NEGATIVE, 15),
     ("G73 X1 Z-5 R3 Q0 F100", SETUP, catalogue.CUT_NEGATIVE, 15),
     ("G73 X1 Z-5 R3 Q1 E-1 F100", SETUP, catalogue.CUT_NEGATIVE, 18),
-    ("G83 X1 Z-5 R3 Q0.00001 F100", SETUP, catalogue.TOO_MANY_CUTS, 1),
+    ("G83 X1 Z-5000 R3 Q0.001 F100", SETUP, catalogue.TOO_MANY_CUTS, 1),
     ("G74 X1 Z-5 R3 F100", SETUP, catalogue.SPINDLE_STANDS, 1),
     ("M5 G84 X1 Z-5 R3 F100", SETUP, catalogue.SPINDLE_STANDS, 1),
     ("G76 X1 Z-5 R3 F100", SETUP, catalogue.NO_ORIENTATION, 1),
