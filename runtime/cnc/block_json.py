@@ -23,6 +23,7 @@ from runtime.cnc.blocks import (
     Line,
     ManualMotion,
     ManualParameter,
+    Measurement,
     Message,
     Polyline,
     Polynomials,
@@ -151,6 +152,9 @@ def _action(block: Block) -> Iterator[Row]:
             yield _source(block.source, "own motion wait") | {"axes": list(block.axes), "exact": block.exact}
         case CouplingChange():
             yield _source(block.source, "coupling") | {"coupled": [list(pair[:2]) for pair in block.coupled]}
+        case Measurement():
+            row = _source(block.source, "measurement") | {"axes": [probe.axis for probe in block.probes]}
+            yield row | {"signals": [probe.signal.name.lower() for probe in block.probes], "through": block.through}
         case PositionSetting():
             row = _source(block.source, "set position") | {"axis": block.axis}
             yield row | {"offset" if block.relative else "position": block.value}

@@ -1062,6 +1062,51 @@ class CouplingChange:
     ends: tuple[tuple[int, float], ...] = ()
 
 
+class ProbeSignal(IntEnum):
+    """Where the signal of a probe comes from."""
+
+    DRIVE = 1  # the drive latches the position
+    INPUT = 2  # of the process image
+    PLC = 3
+    PLC_FIRST_EVENT = 4  # that of one axis counts for all of them
+    PLC_TIMESTAMP = 5  # the PLC tells when it was
+
+
+class Probe(NamedTuple):
+    """The probe of an axis (channel index). `number`: touch probe of the drive, 1 or 2; `level`: bit of the process image that
+    tells whether it is deflected, -1 none; `rising`: the edge, and the level that is deflected."""
+
+    axis: int
+    signal: ProbeSignal
+    number: int = 0
+    level: int = -1
+    rising: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """What is driven from here to `MeasurementEnd` ends at the edge of a probe: the path brakes, and the rest is dropped; with
+    `through` it goes on. The path stands at both places.
+
+    `may_be_deflected`: a probe that is deflected already ends the run at once, else it is an error. `signal_needed`: a run
+    without a signal is an error. `limited`: the run ends at a software limit.
+    """
+
+    source: Source
+    probes: tuple[Probe, ...]
+    through: bool = False
+    may_be_deflected: bool = False
+    signal_needed: bool = False
+    limited: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MeasurementEnd:
+    """The end of a measuring run: what was measured is known behind it."""
+
+    source: Source
+
+
 @dataclass(frozen=True, slots=True)
 class PathRestart:
     """The axes stand somewhere else than the last motion has ended: the next one begins there."""
@@ -1188,6 +1233,8 @@ Block = (
     | Homing
     | TakeOver
     | PositionSetting
+    | Measurement
+    | MeasurementEnd
     | IndependentMotion
     | IndependentWait
     | CouplingChange

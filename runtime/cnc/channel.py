@@ -34,6 +34,7 @@ from runtime.cnc.distance_display import DistanceDisplay
 from runtime.cnc.gates import Gates, OperatorInfluence, Surroundings
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.job_records import read_job
+from runtime.cnc.measuring import Measuring
 from runtime.cnc.motion_queue import ActionKind, MotionQueue, RecordKind
 from runtime.cnc.preparation_link import PreparationLink, PreparationState, StartOrder
 from runtime.cnc.queue_record import QueueRecord, read_record
@@ -44,6 +45,7 @@ from runtime.cnc.technology import TechnologyFunctions, TechnologySettings, Trav
 from runtime.diagnostics.catalogue import CATALOGUE, machine
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
 from runtime.diagnostics.events import Event, EventKind, EventRing
+from runtime.drives import DriveImage
 from runtime.hli.block_search import SearchPartner
 from runtime.hli.layout import Channel as ChannelArea
 from runtime.hli.layout import Hli, PathWay, StopCondition
@@ -116,6 +118,7 @@ class Channel:
         axis_names: Sequence[str],
         influence: OperatorInfluence | None = None,
         backward: BackwardMotion | None = None,
+        measuring: Measuring | None = None,
     ) -> None:
         self._axes = axes
         self.backward = backward or BackwardMotion(interpolator, 0, RepeatedStops())
@@ -123,11 +126,15 @@ class Channel:
         self.beside = beside
         self.stop_before = stop_before
         self._delete_distance = DeleteDistance(interpolator)
+        names = [axis_names[i] for i in axes]
+        self.measuring = measuring or Measuring(
+            DriveImage(len(axis_names)), [hli.axes[i] for i in axes], axes.tolist(), names, period
+        )
         self.jobs = ProgramJobs(axis_names)
         self.feed_forward = FeedForwardShares(len(axes), period)
         self.search = BlockSearching(SearchPartner(area.control.block_search_on, area.status))
         self.suppression = Suppression()
-        self.actual_limits = ActualLimits([axis_names[i] for i in axes])
+        self.actual_limits = ActualLimits(names)
         self.locked = False  # the axes are not moved in this program (machine lock)
         self.problems: deque[Problem] = deque(maxlen=128)  # taken by the runtime, which raises the alarms
         self.queue = queue
@@ -160,6 +167,7 @@ class Channel:
             self.jobs,
             self.search,
             self.backward,
+            self.measuring,
             stop_before,
             self.together,
             axes,
@@ -272,6 +280,7 @@ class Channel:
         self._distance.end()
         self.suppression.begin()
         self.gates.end()
+        self.measuring.drop()
         self._drops = drop
         self.phase = Phase.CLEARING
 
@@ -344,11 +353,12 @@ class Channel:
             return
         self.functions.put_out_late()
         stop = _NONE
-        backward, together = self.backward, self.together
+        backward, together, measuring = self.backward, self.together, self.measuring
         if self.suppression.held(inputs.feed_hold, backward.replaying):
             stop |= _FEED_HOLD
         if self.phase is Phase.RUNNING:
-            backward.step(inputs.backward and not together.active, inputs.simulate_motion, inputs.simulate_mask)
+            free = not (together.active or measuring.active)
+            backward.step(inputs.backward and free, inputs.simulate_motion, inputs.simulate_mask)
             if backward.changed:
                 self.gates.look_again()
         if backward.holds:
@@ -356,9 +366,14 @@ class Channel:
         again = backward.replaying
         self.functions.travel = self._travel() if again or inputs.simulate_motion else Travel.FORWARD
         if inputs.delete_distance and self.phase is Phase.RUNNING and not again and not together.active:
-            self._delete_distance.order()
+            if measuring.active:
+                self._delete_distance.cut()
+            else:
+                self._delete_distance.order()
             if self._distance.active:
                 self._warn_of_distance(machine.DISTANCE_WRONG)
+        if measuring.active:
+            self._measure(actual, time)
         if self._delete_distance.holds:
             stop |= _DELETE_DISTANCE
         before = self.stop_before
@@ -378,7 +393,7 @@ class Channel:
                 inputs.rapid_override * inputs.time_override,
             )
         external_feed = inputs.external_feed
-        if inputs.feeds_backward and not backward.possible:
+        if inputs.feeds_backward and (measuring.active or not backward.possible):
             external_feed = 0.0
         stands = override == 0.0 or external_feed == 0.0
         if stands or rapid_override == 0.0:
@@ -442,6 +457,8 @@ class Channel:
         if gate >= 0 and path.gate < 0 and not inputs.single_block:
             path.open_steps(gate)
         if self.phase is Phase.RUNNING and not again:
+            if self._delete_distance.holds and not measuring.active:
+                self._delete_distance.cut_is_over()
             self._delete_distance.step()
         if path.apart and self.phase is Phase.RUNNING and not self._delete_distance.explains_gap:
             self._tell_gap()
@@ -464,6 +481,16 @@ class Channel:
             return False
         record = path.queue.record(here)
         return record["external"] < 0.0 and self.spindles[int(record["spindle"])].set_point == 0.0
+
+    def _measure(self, actual: Floats, time: float) -> None:
+        """The edge of a probe stops the path in the cycle that it is seen in."""
+        problem = self.measuring.step(actual[self._axes], time)
+        if problem is not None:
+            place = Place(self.queue.program_name(self.interpolator.program), max(self.interpolator.line, 0))
+            self.problems.append(replace(problem, place=place))
+        if self.measuring.cuts:
+            self.measuring.cuts = False
+            self._delete_distance.cut()
 
     def _travel(self) -> Travel:
         """How functions count where the path is driven again, or in simulated motion."""

@@ -36,10 +36,11 @@ class DeleteDistance:
         self._path = path
         self.holds = False
         self._displaced = False  # the path stands beside where the next element begins
+        self._cuts = False  # nothing leads on to the next element: whoever follows begins where the path stands
 
     def begin(self) -> None:
         """A program starts."""
-        self.holds = self._displaced = False
+        self.holds = self._displaced = self._cuts = False
 
     def order(self) -> None:
         """Drop the rest of the block in work; without effect where the path is in none."""
@@ -47,10 +48,30 @@ class DeleteDistance:
         inside = path.queue.written > path.next_index and path.queue.kind(path.next_index) <= _MOTION
         self.holds = inside and (path.path_velocity > 0.0 or 0.0 < path.covered < 1.0)
 
+    def cut(self) -> None:
+        """A measuring run has what it wants: everything up to its end is dropped, even what is not yet in the queue."""
+        self.holds = self._cuts = True
+
+    def cut_is_over(self) -> None:
+        """The path has come to the end of the run."""
+        if self._cuts:
+            self.holds = self._cuts = False
+
+    def _cut_off(self) -> None:
+        path = self._path
+        queue, index = path.queue, path.next_index
+        if not path.standstill or queue.read != index or index >= queue.written:
+            return
+        if queue.kind(index) <= _MOTION:
+            self._drop_block()
+            self._displaced = False
+
     def step(self) -> None:
         """After the interpolator's step: act when the path stands."""
         path = self._path
-        if self.holds and path.standstill and path.queue.read == path.next_index:
+        if self._cuts:
+            self._cut_off()
+        elif self.holds and path.standstill and path.queue.read == path.next_index:
             self.holds = False
             self._drop_block()
         elif self._displaced and path.apart and path.queue.read == path.next_index:

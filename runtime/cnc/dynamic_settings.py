@@ -79,6 +79,14 @@ class MoveSettings:
 _MOVES = MoveSettings()
 
 
+class HoldUse(Enum):
+    """What the path brakes with in feed hold, and at the signal of a probe."""
+
+    CONFIGURED = 0  # the ramp of feed hold if the channel has one (P-CHAN-00097)
+    AS_ELSE = 1  # as everywhere
+    RAMP = 2  # the ramp of feed hold
+
+
 class CornerFeedUnit(Enum):
     """What FEED of #CORNER PARAM means."""
 
@@ -119,6 +127,7 @@ class DynamicSettings:
     geometric_ramp_time: float = 1.0
     hold_acceleration: Shares = ()
     hold_ramp_time: Shares = ()
+    hold_use: HoldUse = HoldUse.CONFIGURED
     late_braking: bool = False
     look_ahead: int = ALL_LIMITS
     free_corners: frozenset[int] = frozenset()

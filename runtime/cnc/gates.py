@@ -9,7 +9,7 @@ A gate that stays closed tells the reason as a stop condition.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,7 @@ from runtime.cnc.block_search import BlockSearching
 from runtime.cnc.channel_inputs import ChannelInputs
 from runtime.cnc.interpolator import Interpolator
 from runtime.cnc.interpolator.path_storage import skipped
+from runtime.cnc.measuring import Measuring
 from runtime.cnc.motion_queue import GateReason, RecordKind
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.cnc.queue_record import QueueRecord, read_record
@@ -53,6 +54,7 @@ _AXIS_JOB = int(StopCondition.AXIS_JOB)
 _OPTIONAL_SECTION = int(StopCondition.OPTIONAL_SECTION)
 _BLOCK_SEARCH = int(StopCondition.BLOCK_SEARCH)
 _RETURN_TO_CONTOUR = int(StopCondition.RETURN_TO_CONTOUR)
+_MEASURING = int(StopCondition.MEASURING)
 _FIRST_TIME = 1  # bit of a stop mark
 _SETTLED_AT_LAST = 1.0  # s that the axes get to come to rest at #FLUSH WAIT
 _FATAL = 2  # remedy classes of #ERROR above it
@@ -85,6 +87,7 @@ class Surroundings:
     jobs: ProgramJobs
     search: BlockSearching
     backward: BackwardMotion
+    measuring: Measuring
     stop_before: StopBefore
     together: SynchronousSpindle
     axes: npt.NDArray[np.int64]
@@ -132,6 +135,8 @@ class Gates:
             GateReason.THREAD: self._spindle_begins,
             GateReason.TAPPING: self._spindle_begins,
             GateReason.SPINDLE_FREE: self._spindle_ends,
+            GateReason.MEASURE: self._measure,
+            GateReason.MEASURE_END: self._measured,
         }
         standing |= dict.fromkeys(BESIDE_GATES, self._beside_path) | dict.fromkeys(SEARCH_GATES, self._search)
         self._standing = standing
@@ -342,6 +347,30 @@ class Gates:
             self._around.backward.clear()
             return self._open(gate)
         return _WAIT_SPINDLE
+
+    def _measure(self, gate: QueueRecord) -> int:
+        """A measuring run begins when its probes are ready."""
+        path, around = self._path, self._around
+        if not (self._running and path.standstill and path.all_told):
+            return _MEASURING
+        ready = around.measuring.ready(path.queue.record(path.gate))
+        if isinstance(ready, Problem):
+            around.report(replace(ready, place=self._place(gate)))
+        return self._open(gate) if ready is True else _MEASURING
+
+    def _measured(self, gate: QueueRecord) -> int:
+        """A measuring run is over: the decoder gets its values with the next place that it waits for."""
+        path, around = self._path, self._around
+        if not (self._running and path.standstill and path.all_told):
+            return _MEASURING
+        measuring = around.measuring
+        final = measuring.finish()
+        if isinstance(final, Problem):
+            around.report(replace(final, place=self._place(gate)))
+        if final is not True:
+            return _MEASURING
+        around.link.measure(measuring.values, measuring.done)
+        return self._open(gate)
 
     def _axis_jobs(self, gate: QueueRecord) -> int:
         """Jobs of axes outside the path are done, or the program ends here."""

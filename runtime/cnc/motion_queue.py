@@ -92,6 +92,7 @@ class GateReason(IntEnum):
     FILTER = (
         28  # the filter of the set-points is changed (#FILTER); what was driven with another one is not driven again
     )
+    MEASURE = 29  # a probe is got ready
     SEARCH_BEGIN = 30  # block search: see blocks.SearchStep
     SEARCH_END = 31
     SEARCH_RETURN = 32
@@ -99,6 +100,7 @@ class GateReason(IntEnum):
     THREAD = 34  # G33: the spindle is at speed and at its angle; what lies behind is not driven backward
     TAPPING = 35  # G63, G331, G332: the spindle stands, and follows the path from here on
     SPINDLE_FREE = 36  # the end of both
+    MEASURE_END = 37  # what was measured comes
 
 
 @unique

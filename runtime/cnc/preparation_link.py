@@ -66,6 +66,8 @@ RECORD = np.dtype(
         ("command", "f8", (AXES,)),  # positions at the place reached last
         ("actual", "f8", (AXES,)),
         ("manual", "f8", (AXES,)),  # offsets by hand there
+        ("measured", "f8", (AXES,)),  # where the probes of the last measuring run saw their edges
+        ("measured_axes", "u4"),  # bits: axes that have such a value
         ("text", "i4"),  # 1: `program` is NC blocks
         ("mode", "i4"),  # of the mode unit
         ("after_end", "i4"),
@@ -234,6 +236,12 @@ class PreparationLink:
         record["actual"][0, : self._n_axes] = actual
         record["reached"][0] += np.uint32(1)
 
+    def measure(self, values: npt.NDArray[np.float64], done: npt.NDArray[np.bool_]) -> None:
+        """A measuring run is over: positions (n_axes,) in machine coordinates of the axes that have one; `reach` comes behind."""
+        record = self._record
+        record["measured"][0, : self._n_axes] = values
+        record["measured_axes"][0] = sum(1 << k for k, one in enumerate(done.tolist()) if one)
+
     @property
     def problem(self) -> Failure:
         """What stopped the preparation."""
@@ -285,6 +293,13 @@ class PreparationLink:
     def manual_offsets(self) -> npt.NDArray[np.float64]:
         """What the axes were moved by hand there, beside the path; (n_axes,), mm or degrees."""
         return np.array(self._record["manual"][0, : self._n_axes])
+
+    @property
+    def measured(self) -> dict[int, float]:
+        """What the last measuring run before that place has found: axis (index in the channel) → its position, mm, degrees."""
+        axes = self._get("measured_axes")
+        values = self._record["measured"][0]
+        return {k: float(values[k]) for k in range(self._n_axes) if axes >> k & 1}
 
     def set_holds(self, holds: bool) -> None:
         """Tell whether the decoder waits for something outside."""

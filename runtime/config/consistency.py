@@ -23,6 +23,7 @@ def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
     yield from _buses(machine)
     yield from _shared_nodes(machine)
     yield from _drives(machine)
+    yield from _measuring(machine)
     yield from _unknown_axes(machine)
     yield from _spindle_axes(machine)
     yield from _axis_groups(machine)
@@ -126,6 +127,31 @@ def _drives(machine: Machine) -> Iterator[Contradiction]:
                 location = ("axes", index, "drive", "inputs", bit)
                 yield Contradiction(errors.NOT_UNIQUE, location, {"what": "Input", "value": name})
             names.add(name)
+
+
+def _measuring(machine: Machine) -> Iterator[Contradiction]:
+    """An axis that measures has the signal that it names."""
+    for index, axis in enumerate(machine.axes):
+        setup = axis.measuring
+        if setup is None:
+            continue
+        what = "measuring"
+        if axis.type.value == "spindle":
+            yield _against(index, ("measuring",), axis.name, what, "it is a spindle")
+        if setup.input is not None and setup.input not in _digital_inputs(machine):
+            yield _against(index, ("measuring", "input"), axis.name, what, f"no node has an input {setup.input}")
+        if setup.signal == "input" and setup.input is None:
+            yield _against(index, ("measuring", "signal"), axis.name, what, "`input` does not name the signal")
+        if setup.signal == "drive":
+            edge = f"probe_{setup.touch_probe}_{setup.edge}"
+            if axis.drive is None or edge not in axis.drive.process_data:
+                reason = f"its drive does not exchange {edge} (process_data)"
+                yield _against(index, ("measuring", "signal"), axis.name, what, reason)
+
+
+def _digital_inputs(machine: Machine) -> set[str]:
+    names = {name for io in machine.fieldbus.io for name in io.inputs}
+    return names | {name for axis in machine.axes if axis.drive for name in axis.drive.inputs.values()}
 
 
 def _not_kept(axis: Axis, encoder: AbsoluteEncoder) -> str:

@@ -24,6 +24,7 @@ from runtime.config.contradictions import Contradiction, ContradictionError, Loc
 from runtime.config.drive import Configuration, Drive, Identity, SimulatedServo
 from runtime.config.external import ExternalVariable, Member
 from runtime.config.fir_filter import FirFilter
+from runtime.config.measuring import MeasuringSetup
 from runtime.config.model import FileBeside, Model, Several, beside, folder_of
 from runtime.config.nct import NctParameters
 from runtime.config.quantities import UnitError, parse_quantity
@@ -177,6 +178,7 @@ class Axis(Model):
     reference_points: Several[Length] = Field(
         default=(), max_length=3
     )  # the second to the fourth one (G30 P2 to P4, NCT dialect)
+    measuring: MeasuringSetup | None = None  # P-AXIS-00118; None: the axis does not measure
     drive: Drive | None = None
     compensation: Compensation | None = None
     fir_filter: FirFilter | None = None  # of the set-points of the path (#FILTER)

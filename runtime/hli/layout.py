@@ -90,6 +90,7 @@ class StopCondition(IntFlag):
     READ_DISABLE = 0x20000  # the PLC keeps the interpolator from taking blocks
     AXIS_LIMIT = 0x40000  # an axis would leave its dynamic limits, or move in a blocked direction
     DELETE_DISTANCE = 0x80000  # brakes, to drop the rest of the block
+    MEASURING = 0x4000000  # a probe is got ready, or its value is to come
     AXIS_JOB = 0x100000  # a job of an axis outside the path has to be done
     BLOCK_SEARCH = 0x200000  # the PLC has to confirm that a block search begins, or that it has done what it got
     TURNING = 0x800000  # brakes, to be driven backward or forward again
@@ -973,6 +974,8 @@ class AxisControl(c.Structure):
         # 0.1 % of the rated torque; `state_r`: that in force, 4294967295: none of the machine
         ("torque_limit", Uns32Unit),
         ("torque_limit_valid", BoolUnit),  # it counts while this is TRUE
+        ("probing_signal", BoolUnit),  # level of the probe of a measuring axis; `state_r` follows while it measures
+        ("probing_time", Uns64Unit),  # ns, on the clock of head.time_ns_r: when it changed (P-AXIS-00516 PLC_TIMESTAMP)
     ]
 
 
@@ -995,6 +998,9 @@ class AxisStatus(c.Structure):
         ("ready_for_control_loop_on_r", c.c_bool),  # it is enabled
         ("in_position_r", c.c_bool),
         ("referenced_r", c.c_bool),
+        ("measurement_active_r", c.c_bool),  # a measuring run waits for the probe of the axis
+        ("probe_actuated_r", c.c_bool),  # its edge has come in this run
+        ("measure_value_ok_r", c.c_bool),  # the last run has a value of the axis
     ]
 
 

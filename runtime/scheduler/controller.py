@@ -34,6 +34,7 @@ from runtime.cnc.channel import Channel
 from runtime.cnc.gates import OperatorInfluence
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.interpolator import Interpolator
+from runtime.cnc.measuring import Measuring
 from runtime.cnc.motion_queue import MotionQueue
 from runtime.cnc.preparation_link import PreparationLink, StartOrder
 from runtime.cnc.stop_before import StopBefore
@@ -142,6 +143,13 @@ class Controller:
                 time_stretches_dwell=described.parameters.time_override_weight_dwell_time,
             ),
             BackwardMotion(self.interpolator, described.backward_storage, _repeated_stops(described.parameters)),
+            Measuring(
+                drives.image,
+                [hli.axes[i] for i in self._path_list],
+                self._path_list,
+                [axis.name for axis in path_axes],
+                period,
+            ),
         )
         self.channel.actions.life.configure(described.parameters)
         self.supervision = AxisSupervision(machine, drives.image)

@@ -176,5 +176,8 @@ class RunningMachine:
         unit = self._jobs[axis]
         return unit.probe_position_r * LENGTH if unit.probe_recorded_r else None
 
+    def measured(self) -> dict[int, float] | None:
+        return self._link.measured
+
     def latched(self, timer: int) -> int:
         return self._timers.latched(timer)

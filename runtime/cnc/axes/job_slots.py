@@ -213,9 +213,11 @@ class MachineJobs:
             if jobs.probe.edge(bool(byte >> bit % 8 & 1)):
                 jobs.latch(actual)
         if number < DRIVE_PROBES:
-            if image.probe_function[i]:
+            if self._armed[i]:
                 image.probe_function[i], self._armed[i] = 0, False
             return
+        if image.probe_function[i] and not self._armed[i]:
+            return  # a measuring run has it: the job waits
         second = number > DRIVE_PROBES
         status = int(image.probe_status[i]) >> (PROBE_2_SHIFT if second else 0)
         stored, edge = (PROBE_HAS_RISEN, PROBE_RISING) if jobs.probe.rises else (PROBE_HAS_FALLEN, PROBE_FALLING)

@@ -25,6 +25,7 @@ from runtime.cnc.decoder.flow import Flow
 from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.independent import begin_own_motions, emit_own_motions, end_own_motions, wait_for
 from runtime.cnc.decoder.isg.registry import G_FUNCTIONS, STATEMENTS, GCall, StatementCall
+from runtime.cnc.decoder.measuring import measure, wait_for_values
 from runtime.cnc.decoder.modal import INCH, TAPPING, FeedMode, Motion
 from runtime.cnc.decoder.motion import POSITION_LIMIT, dwell, move
 from runtime.cnc.decoder.radius_compensation import FORBIDDEN_G, expect_none, forbids
@@ -153,6 +154,7 @@ class WordBlocks:
         x.letters = {index: values[slot] for index, slot in block.interpolation}
         x.additions = {name: values[slot] for name, slot in block.additions}
         x.axes_taken = False
+        x.measuring.begin_block()
         x.incremental_words = {}
         x.end_feed = None
         x.feed_change = None
@@ -220,7 +222,10 @@ class WordBlocks:
             x.emit(Stop(x.source, kind))
         if motion or x.tools.moved or own:
             x.tools.moved = False
-            x.block_end()
+            if x.measuring.pending is None:
+                x.block_end()
+            else:
+                wait_for_values(x)
         if functions.flush:
             if x.compensation.active or x.modal.contouring or x.smoothing.spline_on or x.smoothing.hsc_on:
                 raise LineError(technology.FLUSH_BARRED, block.column(WordKind.M))
@@ -235,6 +240,8 @@ class WordBlocks:
     def _motion(self, block: CompiledBlock, values: Values) -> bool:
         """The motion of the block; whether there is any."""
         x = self._x
+        if x.measuring.column or x.measuring.through_column:
+            return measure(x, block)
         if block.dwell >= 0:
             additions.expect_no_line(x)
             dwell(x, block, values)

@@ -253,6 +253,18 @@ class Coordinates:
         gain, shift = self.travelled
         return [(p - s) / g for p, g, s in zip(self.position, gain, shift, strict=True)]
 
+    def programmed_of(self, place: list[float]) -> list[float]:
+        """Programmed coordinates of a machine position under what is selected now, both (n,), with the rotation taken out."""
+        programmed = [(p - s) / g for p, g, s in zip(place, self.gain, self.shift, strict=True)]
+        if self.rotation is not None:
+            plane, centre = self.rotation.plane, self.rotation.centre
+            first, second = (
+                (place[axis] - self.shift[axis]) * self.mirror(axis) - centre[k] for k, axis in enumerate(plane)
+            )
+            for axis, value in zip(plane, self.rotation.back(first, second), strict=True):
+                programmed[axis] = value / self.scale_of(axis)
+        return programmed
+
     def array(self) -> Floats:
         """The position on the machine as (n,)."""
         return np.array(self.machine())

@@ -19,6 +19,7 @@ from runtime.cnc.decoder.frames import Frame, Level
 from runtime.cnc.decoder.geometry_error import GeometryError
 from runtime.cnc.decoder.independent import wait_for
 from runtime.cnc.decoder.levels import Levels
+from runtime.cnc.decoder.measuring import take_values
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import ModalState
 from runtime.cnc.decoder.motion import PLANES, POSITION_LIMIT
@@ -212,6 +213,9 @@ class Decoder:
                     yield Hold(x.source, reason)
                     if self._interrupted():
                         return
+                elif x.measuring.pending is not None:
+                    yield from self._handed_over()
+                    take_values(x)
                 elif x.out and not unit.corner_follows(entry, frame.section):
                     yield from self._handed_over()
         except ProgramError:

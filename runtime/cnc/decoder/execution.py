@@ -26,6 +26,7 @@ from runtime.cnc.decoder.feed_group import FeedGroup
 from runtime.cnc.decoder.feed_word import FeedChange, enter_feed
 from runtime.cnc.decoder.frames import Frame
 from runtime.cnc.decoder.isg.registry import syntaxes
+from runtime.cnc.decoder.measuring_state import MeasuringState
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.modal import INCH, PLANE_AXES, FeedMode, ModalState, Motion, Plane
 from runtime.cnc.decoder.modulo import ModuloAxes
@@ -153,6 +154,8 @@ class Execution:
         self.limit_behaviour = [LimitBehaviour.ERROR] * len(setup.axes)
         self.last_limits: dict[int, tuple[float, float]] = {}  # of POS_LIMIT ON, mm or degrees
         self.independent = OwnMotions()
+        probes = list(setup.measuring.probes) or [None] * len(setup.axes)
+        self.measuring = MeasuringState(setup.measuring.type, probes)
         self.coupling = ActiveCouplings()
         self.modulo = ModuloAxes.of(setup.modulo_axes, always_shortest=setup.always_shortest)
         self.path_start: list[float] | None = None  # where the path stands, if the decoder counts from somewhere else

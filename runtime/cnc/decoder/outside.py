@@ -67,6 +67,10 @@ class Outside(Protocol):
     def probed(self, axis: int) -> float | None:
         """What MC_TouchProbe has recorded of an axis (index in the machine), None before its edge; holds as the positions do."""
 
+    def measured(self) -> dict[int, float] | None:
+        """What the last measuring run has found: axis (index in the channel) → machine position, mm or degrees; only axes that
+        have a value. None where no machine is: the run is taken to end at its target. Holds as the positions do."""
+
     def cycle(self) -> int:
         """Number of the interpolator's cycle, counted from the start of the control."""
 
@@ -139,6 +143,9 @@ class Offline:
         return 0
 
     def probed(self, axis: int) -> float | None:
+        return None
+
+    def measured(self) -> dict[int, float] | None:
         return None
 
     def latched(self, timer: int) -> int:

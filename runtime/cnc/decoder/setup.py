@@ -12,6 +12,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Floats, Spline, Synch
 from runtime.cnc.decoder.feed_group import MAIN_GROUP, FeedGroup
+from runtime.cnc.decoder.measuring_setup import MeasuringChannel
 from runtime.cnc.decoder.smoothing import HSC_DEFAULT, hsc_start
 from runtime.cnc.decoder.system_state import Systems
 from runtime.cnc.dynamic_settings import NO_LIMITS, USUAL, DynamicSettings, Slope, VectorLimits, WeightedPart
@@ -233,7 +234,7 @@ class DecoderSetup:
     reference_points: tuple[float, ...] = ()  # where homing finds them, mm or degrees, (n,)
     external: tuple[ExternalEntry, ...] = ()
     channel_number: int = 1  # V.G.CNC_CHANNEL
-    measuring_type: int = 1  # P-CHAN-00057
+    measuring: MeasuringChannel = field(default_factory=MeasuringChannel)
     dynamics: DynamicSettings = USUAL  # at program start
     vector_limits: VectorLimits = NO_LIMITS  # vector.*: what #VECTOR LIMIT ON takes by itself
     vector_per_second: bool = False  # P-CHAN-00351: accelerations of #VECTOR LIMIT count per s², not per min²
@@ -294,7 +295,7 @@ class DecoderSetup:
         return cls(
             axes=described.axes,
             channel_number=channel + 1,
-            measuring_type=parameters.messtyp,
+            measuring=MeasuringChannel.of(machine, axes, parameters),
             main_spindle=next((i for i, s in enumerate(spindles) if s.log_axis == parameters.main_spindle_ax_nr), 0),
             main_name=parameters.main_spindle_name,
             gear_change=parameters.main_spindle_gear_change,

@@ -18,6 +18,7 @@ from runtime.cnc.blocks import (
     Polyline,
     Source,
     SpindleSetting,
+    StepEnd,
     Stop,
     StopMark,
     TechnologyFunction,
@@ -29,7 +30,7 @@ from runtime.cnc.blocks import (
 CONTROLS = (
     TechnologyFunction, Dwell, Message, TimerAction, SpindleSetting, AxisJob, AxisJobWait, ExternalWrite, ToolLifeAction
 )  # fmt: skip
-ENDS_STEP = (BlockEnd, Stop, StopMark)
+ENDS_STEP = (BlockEnd, StepEnd, Stop, StopMark)
 
 
 @dataclass(slots=True)

@@ -40,6 +40,7 @@ from runtime.cnc.blocks import (
     Line,
     ManualKind,
     ManualMotion,
+    Measurement,
     Message,
     PathRestart,
     Polyline,
@@ -222,6 +223,8 @@ class BlockSearchStage:
                 self._refuse(block.source, "an own motion of an axis (INDP_SYN, INDP_ASYN)")
             case CouplingChange():
                 self._refuse(block.source, "an axis coupling (#AX LINK)")
+            case Measurement():
+                self._refuse(block.source, "a measuring run")
             case PositionSetting():
                 self._refuse(block.source, "SET_POSITION")
             case TakeOver():

@@ -71,19 +71,18 @@ class ChannelDynamics:
     external_on_rapid: bool = False
     feed_factor_counts: bool = True
     hold: HoldRamp | None = None
+    ramp: HoldRamp | None = None  # the same, whether it holds everywhere or not
 
 
 def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
     """The tables of a channel of the machine."""
     parameters = machine.channels[channel].parameters
-    hold = None
-    if parameters.use_drive_curr_limit:
-        axes = {axis.name: axis for axis in machine.axes}
-        ramps = [axes[name].feed_hold for name in machine.channels[channel].axes]
-        hold = HoldRamp(
-            np.array([math.inf if one.deceleration is None else one.deceleration for one in ramps]),
-            np.array([0.0 if one.ramp_time is None else one.ramp_time for one in ramps]),
-        )
+    axes = {axis.name: axis for axis in machine.axes}
+    ramps = [axes[name].feed_hold for name in machine.channels[channel].axes]
+    ramp = HoldRamp(
+        np.array([math.inf if one.deceleration is None else one.deceleration for one in ramps]),
+        np.array([0.0 if one.ramp_time is None else one.ramp_time for one in ramps]),
+    )
     return ChannelDynamics(
         WeightTable.of(parameters.dynamic_weighting),
         WeightTable.of(parameters.curve_dynamic_weighting),
@@ -91,5 +90,6 @@ def channel_dynamics(machine: Machine, channel: int = 0) -> ChannelDynamics:
         parameters.override_weight_prog_feed != 1,
         parameters.plc_command_rapid_feed,
         not parameters.disable_feed_factor,
-        hold,
+        ramp if parameters.use_drive_curr_limit else None,
+        ramp,
     )

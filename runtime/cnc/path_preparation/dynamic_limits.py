@@ -22,6 +22,7 @@ from runtime.cnc.dynamic_settings import (
     ALL_LIMITS,
     USUAL,
     DynamicSettings,
+    HoldUse,
     LookAhead,
     MoveSettings,
     Shares,
@@ -433,8 +434,9 @@ class DynamicLimits:
 
         A weight counts if what it leads to is no less than what the moves brake with.
         """
-        hold, settings, machine = self._weights.hold, self._settings, self._machine
-        if hold is None:
+        settings, machine = self._settings, self._machine
+        hold = self._weights.ramp if settings.hold_use is HoldUse.RAMP else self._weights.hold
+        if hold is None or settings.hold_use is HoldUse.AS_ELSE:
             return None
         n, greatest = machine.n, machine.deceleration
         plain = np.minimum(hold.deceleration, greatest)

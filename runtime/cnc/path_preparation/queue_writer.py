@@ -45,6 +45,8 @@ from runtime.cnc.blocks import (
     Line,
     ManualMotion,
     ManualParameter,
+    Measurement,
+    MeasurementEnd,
     Message,
     OptionalSection,
     PathRestart,
@@ -82,6 +84,7 @@ from runtime.cnc.filter_settings import FilterSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.polynomial_table import MAP
 from runtime.cnc.job_records import write_job, write_wait
+from runtime.cnc.measuring_records import measurement
 from runtime.cnc.motion_queue import RECORD, ActionKind, GateReason, MotionQueue, RecordKind, Records
 from runtime.cnc.path_preparation.axis_travel import axis_travel
 from runtime.cnc.path_preparation.beside_path import PathShare, beside_path, coupling, independent
@@ -454,6 +457,10 @@ class QueueWriter:
             case SearchPlace():
                 record["kind"], record["action"] = RecordKind.ACTION, ActionKind.SEARCH_PLACE
                 record["value"], record["offset"] = block.way, block.blocks
+            case Measurement():
+                measurement(record, block)
+            case MeasurementEnd():
+                record["kind"], record["reason"] = RecordKind.GATE, GateReason.MEASURE_END
             case PathRestart():
                 self._before = self._place = self._block_end = None
                 return record[:0]

@@ -336,7 +336,18 @@ class ChannelParameters(Model):
     versch_im_durchm: bool = False  # P-CHAN-00091, offsets of the facing axis are diameters
     enable_unit_feet_cut_speed: bool = False  # P-CHAN-00360, cutting speed in ft/min with G70
     max_vb_override: int = Field(default=1000, ge=0, le=2000)  # P-CHAN-00056, 0.1 %
+    # measuring
     messtyp: int = Field(default=1, ge=1, le=7)  # P-CHAN-00057, type of measuring
+    meas_error_no_signal: bool = False  # P-CHAN-00176, of types 1, 3 and 4
+    meas_deceleration_mode: int = Field(
+        default=0, ge=0, le=1
+    )  # P-CHAN-00214, 1: brakes as rapid traverse, not as feed hold
+    meas_soft_limit_move_path: bool = False  # P-CHAN-00268, a run ends at the software limits
+    meas_use_std_dynamic: bool = False  # P-CHAN-00296, planned as feed blocks are
+    meas_pcs_value_no_probe_radius: bool = False  # P-CHAN-00311, the ball of the probe does not count
+    meas_allow_actuated_probe: bool = False  # P-CHAN-00312, a deflected probe ends a run at once
+    meas_error_no_move_path: bool = True  # P-CHAN-00313, a run without way is an error
+    meas_trafo_with_cmd_pos: bool = False  # P-CHAN-00440, axes that rest count where they stand
     mode_exact_stop_indp_axis: int = 0  # P-CHAN-00297: 1 at G60, 2 at #WAIT INDP
     mode_implicite_sync_indp_asyn_axis: int = 0  # P-CHAN-00451: 1 where the axis is named, 0 where it is moved
     modal_i_j_k_for_circle: bool = False  # P-CHAN-00159, they hold for the circles behind

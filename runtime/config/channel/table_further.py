@@ -182,7 +182,7 @@ ROWS = (
     P(439, "contouring_consider_inch", "BOOLEAN", "", False, 8353, "1 = contouring values in inch while G70 is active",
       use=Use.USED),
     P(440, "meas_trafo_with_cmd_pos", "BOOLEAN", "", False, 8531,
-      "1 = non-measuring, unmoved axes use command values for PCS result"),
+      "1 = non-measuring, unmoved axes use command values for PCS result", use=Use.USED),
     P(451, "mode_implicite_sync_indp_asyn_axis", "UNS16", "0|1", 0, 7448,
       "When a moving independent axis is implicitly waited for", use=Use.USED),
     P(453, "dyn_calc_axis_poly", "UNDEFINED", "", None, 8445, "Dynamic look-ahead for programmed axis polynomials"),

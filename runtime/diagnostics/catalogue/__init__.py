@@ -8,6 +8,7 @@ radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single
 radius compensation 309xxx, axis jobs 308xxx, recorder and replay 311xxx, single axes of a program 3125xx,
 turning, threads and tapping 313xxx.
 and spaces 315xxx.
+measuring 314xxx.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from runtime.diagnostics.catalogue import (
     fieldbus,
     language,
     machine,
+    measuring,
     motion,
     nct,
     nct_macros,
@@ -63,6 +65,7 @@ _AREAS: tuple[ModuleType, ...] = (
     nct_macros,
     spindle,
     control_areas,
+    measuring,
 )
 
 

@@ -82,9 +82,11 @@ class DriveMotion:
     def look(self, before: float, after: float) -> None:
         """The motor has moved, by itself or not: what the probes see."""
         self._before = before
-        if self.blind:
-            return
         function = self._drive.values[objects.PROBE_FUNCTION, 0]
+        if self.blind:
+            if not function:
+                return
+            self.blind = False  # a probe that nothing touches is switched on all the same
         for probe in self.probes:
             probe.step(function, before, after)
 

@@ -198,12 +198,6 @@ def test_what_cannot_be_switched_on_is_not_active(flag: str, switches: tuple[str
     assert refused(f"V.G.{flag} = 1") is C.VARIABLE_READ_ONLY
 
 
-def test_the_measuring_type_is_the_configured_one() -> None:
-    assert values("P1 = V.G.MEAS_TYPE") == {1: 1}
-    assert values("P1 = V.G.MEAS_TYPE", setup=replace(SETUP, measuring_type=3)) == {1: 3}
-    assert refused("#MEAS MODE [3]\nP1 = V.G.MEAS_TYPE") is C.STATEMENT_UNSUPPORTED
-
-
 @pytest.mark.spec("isg.var.g-link-rotation")
 def test_there_are_five_groups_of_couplings() -> None:
     for group in (-1, 5):

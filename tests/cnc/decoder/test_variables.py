@@ -500,7 +500,7 @@ def test_axis_names_of_several_characters_and_variables_behind_addresses() -> No
         ("P1 = V.G.NOTHING", C.VARIABLE_UNKNOWN),
         ("P1 = V.G.WZ[1].LINKPOINT.X", C.VARIABLE_UNSUPPORTED),
         ("V.G.WZ_AKT.GOBJECT[3].X = 1", C.VARIABLE_UNSUPPORTED),
-        ("P1 = V.A.MEAS.ACS.VALUE.X", C.VARIABLE_UNSUPPORTED),
+        ("P1 = V.A.TRANSFORM.X", C.VARIABLE_UNSUPPORTED),
         ("P1 = V.G.SPEED_LIMIT.VEL_LIMIT", C.VARIABLE_UNSUPPORTED),
     ],
 )

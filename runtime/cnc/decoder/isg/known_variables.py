@@ -64,11 +64,6 @@ KNOWN = {
     "V.G.MAX_TIME_AHEAD": "limits of the decoding ahead",
     "V.G.RW": "edge banding",
     # axes (lines 21659–21704)
-    "V.A.MESS": "measuring",
-    "V.A.MEAS": "measuring",
-    "V.A.MOFFS": "measuring",
-    "V.A.MERF": "measuring",
-    "V.A.MEIN": "measuring",
     "V.A.ENCODER2_VALUE": "second encoders",
     "V.A.ANTR_TYP": "drive types",
     "V.A.TORQUE_NOM": "drive data",

@@ -102,12 +102,6 @@ def searching(x: Execution) -> float:
     return float(x.outside.searching())
 
 
-@variable("V.G.MEAS_TYPE", _SPEC, "active measuring type, 1…7: the configured one (P-CHAN-00057)")
-def measuring_type(x: Execution) -> float:
-    require_absent("V.G.MEAS_TYPE", ("MEAS",), ())
-    return float(x.setup.measuring_type)
-
-
 @variable("V.G.TOOL_COMP", "isg.var.g-channel-state", "type of the active tool compensation: 0 none, 3 in the plane")
 def tool_compensation(x: Execution) -> float:
     require_absent("V.G.TOOL_COMP", ("RTCP", "TLC", "TRAFO"), ())

@@ -46,6 +46,8 @@ class Group(Enum):
     SPLINE = "spline"
     DIAMETER = "diameter or radius"
     CUTTING_SPEED = "meaning of S"
+    MEASURING = "measuring run"
+    MEASURING_THROUGH = "measuring run that goes on"
     NONE = ""  # excludes nothing
 
 

@@ -1,0 +1,275 @@
+"""Measuring blocks of a program: G100 and what it leaves behind (programming manual 3234–3675).
+
+The block is decoded once. Behind it the decoder waits until the path stands; then it counts from there, and the values are known.
+What was measured is kept in machine coordinates, with the programmed ones as they were under what was selected then.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from runtime.cnc.blocks import (
+    DynamicsChange,
+    Flush,
+    FlushKind,
+    LimitBehaviour,
+    Line,
+    Measurement,
+    MeasurementEnd,
+    PathRestart,
+    Probe,
+    ProbeSignal,
+    StepEnd,
+)
+from runtime.cnc.decoder.additions import corner_of, expect_no_line
+from runtime.cnc.decoder.couplings import expect_uncoupled
+from runtime.cnc.decoder.execution import Execution
+from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
+from runtime.cnc.decoder.independent import wait_for
+from runtime.cnc.decoder.measuring_state import Measured, Run
+from runtime.cnc.decoder.modal import PLANE_AXES
+from runtime.cnc.decoder.motion import pcs_gain, programmed_at, target
+from runtime.cnc.decoder.radius_compensation import expect_none
+from runtime.cnc.dynamic_settings import DynamicSettings, HoldUse
+from runtime.cnc.language.isg.comments import LineError
+from runtime.cnc.language.isg.compiler import CompiledBlock
+from runtime.cnc.language.isg.words import WordKind
+from runtime.diagnostics.catalogue import measuring as catalogue
+
+MAIN_AXES = 3
+NO_WAY = 1e-6  # mm or degrees
+TYPES = (1, 2, 3, 4)  # that G100 measures with
+
+
+def measure(x: Execution, block: CompiledBlock) -> bool:
+    """The measuring run of the block; whether anything moves. Raises LineError."""
+    state, column = x.measuring, x.measuring.column
+    _expect_possible(x, block, column)
+    axes = _axes_of(x, block)
+    probes = _probes_of(x, block, axes)
+    start = x.coordinates.position
+    end = target(x, block)
+    state.done.difference_update(axes)
+    if all(abs(e - s) <= NO_WAY for s, e in zip(start, end, strict=True)):
+        if x.setup.measuring.error_no_way:
+            raise LineError(catalogue.NO_WAY, column)
+        return False
+    feed = _feed(x, block, start, end)
+    limited, driven = _within_limits(x, start, end) if x.setup.measuring.within_limits else (False, end)
+    if all(abs(e - s) <= NO_WAY for s, e in zip(start, driven, strict=True)):
+        raise LineError(catalogue.LIMIT_WITHOUT_SIGNAL, column)
+    usual = x.dynamics
+    settings = _dynamics(x)
+    x.emit(Flush(x.source, FlushKind.CONTINUE))  # nothing before it is smoothed into the run
+    x.emit(
+        Measurement(
+            x.source,
+            probes,
+            through=bool(state.through_column),
+            may_be_deflected=x.setup.measuring.may_be_deflected,
+            signal_needed=_signal_needed(x),
+            limited=limited,
+        )
+    )
+    if settings != usual:
+        x.emit(DynamicsChange(x.source, settings))
+    x.emit(
+        Line(
+            x.source,
+            np.array(start),
+            np.array(driven),
+            feed,
+            False,
+            np.array(programmed_at(x, driven)),
+            PLANE_AXES[x.modal.plane],
+            None,
+            None,
+            x.override_off,
+            pcs_gain(x),
+        )
+    )
+    x.emit(MeasurementEnd(x.source))
+    if settings != usual:
+        x.emit(DynamicsChange(x.source, usual))
+    x.coordinates.moved(driven)
+    state.pending = Run(axes, start, end, column)
+    return True
+
+
+def wait_for_values(x: Execution) -> None:
+    """The end of the block: the decoder goes on when the path stands, and the values are known.
+
+    Single block stops at a gate of its own, as the path stands already where the block ends.
+    """
+    if x.frames[-1].shown is None and x.steps.ends(x.source.n):
+        x.emit(StepEnd(x.source))
+    x.emit(Flush(x.source, FlushKind.WAIT))
+
+
+def take_values(x: Execution) -> None:
+    """The path stands at the end of the run: the decoder counts from there."""
+    state = x.measuring
+    run, state.pending = state.pending, None
+    assert run is not None
+    measured, position = x.outside.measured(), x.outside.command_position()
+    if position is None or measured is None:  # without a machine a run ends at its target
+        measured = dict(enumerate(run.end))
+    else:
+        x.coordinates.moved([float(p) for p in position])
+        x.emit(PathRestart(x.source))
+    by_hand = x.outside.manual_offsets()
+    found = {axis: measured[axis] for axis in run.axes if axis in measured}
+    programmed = _programmed(x, run, measured, [0.0] * len(run.end) if by_hand is None else [float(p) for p in by_hand])
+    for axis, place in found.items():
+        state.values[axis] = Measured(place, place - run.end[axis])
+        state.done.add(axis)
+    state.programmed |= programmed
+
+
+# ---------------------------------------------------------------------------------------------------- what may be measured
+
+
+def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
+    """LineError for what no measuring run goes with."""
+    expect_none(x, "G100", column)
+    smoothing = x.smoothing
+    for active, what in (
+        (x.modal.contouring, "polynomial contouring"),
+        (smoothing.spline_on, "a spline"),
+        (smoothing.hsc_on, "HSC"),
+    ):
+        if active:
+            raise LineError(catalogue.BARRED, column, what=what)
+    expect_uncoupled(x, "G100", column)
+    expect_no_line(x)
+    for given, what in (
+        (block.dwell >= 0, "a dwell"),
+        (bool(x.letters), "I, J or K"),
+        (bool(x.additions) or corner_of(x, block) is not None, "an addition to the contour"),
+        (x.feed_change is not None, "a linear feed change"),
+        (x.end_feed is not None, "E"),
+        (bool(x.axes_taken), "a function with axis words as arguments"),
+    ):
+        if given:
+            raise LineError(catalogue.BESIDE, column, what=what)
+    x.expect_path_start(column)
+    wait_for(x, tuple(x.independent.running))
+
+
+def _axes_of(x: Execution, block: CompiledBlock) -> tuple[int, ...]:
+    """The axes that measure: those of the block, and where one of them lies in a rotated plane the other one too if it can."""
+    axes = set(x.axis_words)
+    if not axes:
+        raise LineError(catalogue.AXES_MISSING, x.measuring.column)
+    for axis in sorted(axes):
+        if x.measuring.probes[axis] is None:
+            raise LineError(catalogue.NOT_MEASURING, block.column(WordKind.AXIS, axis), axis=x.setup.axes[axis])
+    rotation = x.coordinates.rotation
+    if rotation is not None and axes & set(rotation.plane):
+        axes |= {axis for axis in rotation.plane if x.measuring.probes[axis] is not None}
+    return tuple(sorted(axes))
+
+
+def _probes_of(x: Execution, block: CompiledBlock, axes: tuple[int, ...]) -> tuple[Probe, ...]:
+    state, column = x.measuring, x.measuring.column
+    if state.type not in TYPES:
+        raise LineError(catalogue.TYPE_UNSUPPORTED, column, value=state.type)
+    if state.through_column and state.type != 3:
+        raise LineError(catalogue.G106_ALONE, state.through_column)
+    if state.type == 2 and len(x.axis_words) != 1:
+        raise LineError(catalogue.ONE_AXIS, column, count=len(x.axis_words))
+    probes = []
+    for axis in axes:
+        at, name = block.column(WordKind.AXIS, axis), x.setup.axes[axis]
+        if state.type == 4 and axis >= MAIN_AXES:
+            raise LineError(catalogue.MAIN_AXES_ONLY, at, axis=name)
+        probe = state.probes[axis]
+        assert probe is not None
+        if probe.signal is ProbeSignal.DRIVE and (probe.number, probe.rising) not in probe.latched:
+            edge = "rising" if probe.rising else "falling"
+            raise LineError(catalogue.PROBE_UNKNOWN, at, axis=name, edge=edge, number=probe.number)
+        probes.append(Probe(axis, probe.signal, probe.number, probe.level, probe.rising))
+    return tuple(probes)
+
+
+def _signal_needed(x: Execution) -> bool:
+    state = x.measuring
+    if state.signal_needed is not None:
+        return state.signal_needed or state.type == 2
+    return state.type == 2 or x.setup.measuring.error_no_signal
+
+
+def _feed(x: Execution, block: CompiledBlock, start: list[float], end: list[float]) -> float:
+    """mm/min along the path: F, or that of the axis with type 2."""
+    if x.measuring.type != 2:
+        require_feed(x, block)
+        return feed_of(x, block, start, end, None)
+    axis = next(iter(x.axis_words))
+    probe = x.measuring.probes[axis]
+    if probe is None or probe.feed is None:
+        raise LineError(catalogue.FEED_MISSING, x.measuring.column, axis=x.setup.axes[axis])
+    return probe.feed * group_ratio(x, block, start, end, None)
+
+
+def _within_limits(x: Execution, start: list[float], end: list[float]) -> tuple[bool, list[float]]:
+    """Whether the run would leave the software limits, and how far it may go in its direction (P-CHAN-00268)."""
+    share = 1.0
+    for axis, (s, e) in enumerate(zip(start, end, strict=True)):
+        if x.limit_behaviour[axis] is not LimitBehaviour.ERROR:
+            continue
+        low, high = x.soft_limits[axis]
+        if e > high and e > s:
+            share = min(share, (high - s) / (e - s))
+        elif e < low and e < s:
+            share = min(share, (low - s) / (e - s))
+    if share >= 1.0:
+        return False, end
+    share = max(share, 0.0)
+    return True, [s + share * (e - s) for s, e in zip(start, end, strict=True)]
+
+
+def _dynamics(x: Execution) -> DynamicSettings:
+    """What a run is planned and braked with (channel parameters 2887–2955)."""
+    setup, usual = x.setup.measuring, x.dynamics
+    if setup.as_feed:
+        return replace(usual, hold_use=HoldUse.RAMP)
+    unweighted = replace(usual.feed, acceleration=(), ramp_time=())
+    return replace(
+        usual,
+        feed=unweighted,
+        path_weights=0,
+        hold_acceleration=(),
+        hold_ramp_time=(),
+        hold_use=HoldUse.AS_ELSE if setup.brakes_as_rapid else HoldUse.CONFIGURED,
+    )
+
+
+# ---------------------------------------------------------------------------------------------------- programmed coordinates
+
+
+def _programmed(x: Execution, run: Run, measured: Mapping[int, float], by_hand: list[float]) -> dict[int, float]:
+    """The measured point as it would be programmed, with the ball of the probe: axis → mm or degrees. A rotated plane needs both
+    of its axes."""
+    setup = x.setup.measuring
+    places = [measured.get(axis, run.end[axis] if axis in run.axes else x.coordinates.position[axis]) - by_hand[axis]
+              for axis in range(len(run.end))]  # fmt: skip
+    known = set(measured) & set(run.axes)
+    rotation = x.coordinates.rotation
+    if rotation is not None and known & set(rotation.plane):
+        missing = set(rotation.plane) - known
+        if setup.command_counts:
+            missing = {axis for axis in missing if abs(run.end[axis] - run.start[axis]) > NO_WAY}
+        for axis in missing:
+            x.warn(catalogue.NO_PCS_VALUE, run.column, axis=x.setup.axes[axis])
+        known = known - set(rotation.plane) if missing else known | set(rotation.plane)
+    if setup.includes_ball and x.tools.radius:
+        way = [run.end[axis] - run.start[axis] for axis in range(min(MAIN_AXES, len(run.end)))]
+        length = math.hypot(*way)
+        if length > NO_WAY:
+            for axis, part in enumerate(way):
+                places[axis] += x.tools.radius * part / length
+    return {axis: place for axis, place in enumerate(x.coordinates.programmed_of(places)) if axis in known}

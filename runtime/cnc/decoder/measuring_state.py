@@ -1,0 +1,45 @@
+"""What a running program keeps of measuring; `cnc/decoder/measuring.py` says what it means."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from runtime.cnc.decoder.measuring_setup import AxisProbe
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A value of an axis: machine coordinate, and its difference to the target; mm or degrees."""
+
+    place: float
+    offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A measuring run whose end the decoder waits for: its axes, where it begins and leads to in machine coordinates."""
+
+    axes: tuple[int, ...]
+    start: list[float]
+    end: list[float]
+    column: int
+
+
+@dataclass(slots=True)
+class MeasuringState:
+    """What holds for the measuring blocks of a program, and what they have found. `column` and `through_column`: of G100 and G106
+    in the block in work, 0 without."""
+
+    type: int
+    probes: list[AxisProbe | None]
+    signal_needed: bool | None = None  # ERR_NO_SIGNAL, None: as the channel is configured
+    column: int = 0
+    through_column: int = 0
+    pending: Run | None = None
+    values: dict[int, Measured] = field(default_factory=dict)
+    programmed: dict[int, float] = field(default_factory=dict)  # measured points as they would be programmed
+    done: set[int] = field(default_factory=set)  # axes of V.A.MERF
+    included: dict[int, float] = field(default_factory=dict)  # G101: what was taken into the coordinates, mm or degrees
+
+    def begin_block(self) -> None:
+        self.column = self.through_column = 0
