@@ -92,7 +92,7 @@ def test_without_a_signal_the_run_goes_to_its_target(make: Make) -> None:
     assert float(driven.image.target_position[0]) == pytest.approx(25.0)
 
 
-@pytest.mark.spec("isg.var.a-measuring", "chan.meas.values")
+@pytest.mark.spec("isg.var.a-measuring")
 def test_the_programmed_value_has_no_offsets_but_the_ball(make: Make) -> None:
     """The example of the manual (21754): a zero offset of 50; measured in programmed coordinates, it is left out."""
     driven = make(probe=EDGE)
@@ -132,7 +132,7 @@ def test_two_axes_take_the_same_edge_only_where_both_probes_signal(make: Make) -
     assert EDGE < p[3] < 50.0
 
 
-@pytest.mark.spec("chan.meas.type", "isg.add.meas-parameters", "isg.g.measure-type1", "isg.g.measure-type2")
+@pytest.mark.spec("isg.g.measure-type1", "isg.g.measure-type2")
 @pytest.mark.parametrize(
     ("blocks", "parameters"),
     [
@@ -153,7 +153,6 @@ def test_a_missing_signal_is_an_error_where_it_is_asked_for(
     assert driven.state() is State.ERROR
 
 
-@pytest.mark.spec("isg.add.meas-parameters")
 def test_err_no_signal_0_lets_the_program_go_on(make: Make) -> None:
     driven = make(probe=None, parameters={"meas_error_no_signal": True})
     driven.start("%GOES\nN10 G90\n#MEAS [ERR_NO_SIGNAL=0]\nN20 G100 X20 F3000\nN30 X25\nN40 M30\n")
@@ -309,7 +308,6 @@ def test_a_signal_that_nobody_tells_keeps_the_axis_where_it_is(demo: Machine, tm
     assert driven.state() is State.ERROR
 
 
-@pytest.mark.spec("chan.meas.preconditions")
 def test_a_deflected_probe_is_an_error_and_nothing_moves(demo: Machine, tmp_path: Path) -> None:
     driven = with_plc(demo, tmp_path, "plc", edge=-1.0)
     driven.start("%DEFLECTED\nN10 G90 G100 X100 F3000\nN30 M30\n")
@@ -318,7 +316,6 @@ def test_a_deflected_probe_is_an_error_and_nothing_moves(demo: Machine, tmp_path
     assert float(driven.image.target_position[X]) == 0.0
 
 
-@pytest.mark.spec("chan.meas.preconditions")
 def test_a_deflected_probe_may_end_the_run_at_once(demo: Machine, tmp_path: Path) -> None:
     allowed: dict[str, object] = {"meas_allow_actuated_probe": True, "meas_error_no_signal": True}
     driven = with_plc(demo, tmp_path, "plc", edge=-1.0, parameters=allowed)

@@ -110,7 +110,7 @@ def test_the_program_goes_on_where_the_path_stands() -> None:
     assert last is not None
 
 
-@pytest.mark.spec("isg.var.a-measuring", "chan.meas.values")
+@pytest.mark.spec("isg.var.a-measuring")
 def test_only_the_axes_of_the_block_are_updated_and_offsets_are_left_out_of_the_programmed_value() -> None:
     machine = Probed([[98.5, 0, 0], [98.5, 31, 0]], [{0: 98.0}, {0: 98.0, 1: 30.0}])
     run = decode(
@@ -123,7 +123,6 @@ def test_only_the_axes_of_the_block_are_updated_and_offsets_are_left_out_of_the_
     assert run.parameters == {1: 98, 2: -2, 3: 48, 4: 98, 5: 1, 6: 30, 7: 30, 8: 1, 9: 0}
 
 
-@pytest.mark.spec("chan.meas.values")
 @pytest.mark.parametrize(("includes", "expected"), [(True, (8.0 + 1.5, 6.0 + 2.0)), (False, (8.0, 6.0))])
 def test_the_ball_lies_in_the_direction_of_the_run(includes: bool, expected: tuple[float, float]) -> None:
     """A run along (3, 4): a ball of radius 2.5 adds (1.5, 2)."""
@@ -140,7 +139,6 @@ def test_the_ball_lies_in_the_direction_of_the_run(includes: bool, expected: tup
     assert run.parameters[3] == 8.0
 
 
-@pytest.mark.spec("chan.meas.values")
 @pytest.mark.parametrize(
     ("found", "command", "programmed"),
     [
@@ -192,7 +190,7 @@ def test_offsets_of_axes_without_them_are_refused() -> None:
     assert refused("G102") is None
 
 
-@pytest.mark.spec("isg.add.meas-mode", "isg.g.measuring-framework")
+@pytest.mark.spec("isg.g.measuring-framework")
 def test_the_type_is_chosen_and_goes_back_to_the_configured_one() -> None:
     text = "P1=V.G.MEAS_TYPE\n#MEAS MODE[2]\nP2=V.G.MEAS_TYPE\n#MEAS MODE\nP3=V.G.MEAS_TYPE\n"
     text += "#MEAS [TYPE=1]\nP4=V.G.MEAS_TYPE\nM30"
@@ -274,7 +272,6 @@ def test_types_2_and_3() -> None:
     ]
 
 
-@pytest.mark.spec("isg.add.meas-parameters", "chan.meas.type")
 def test_the_parameters_of_axes_hold_until_they_are_reset() -> None:
     text = (
         "G90 G01 F100\n#MEAS [AX=X AX=Y SIGNAL=DRIVE EDGE=NEG INPUT=2]\nG100 X1 Y1\n"
@@ -309,7 +306,6 @@ def test_a_run_ends_at_the_software_limits_where_the_channel_says_so() -> None:
     assert stands_there.problem.entry is errors.LIMIT_WITHOUT_SIGNAL
 
 
-@pytest.mark.spec("chan.meas.preconditions")
 def test_a_block_without_way_may_be_allowed() -> None:
     assert refused("X5\nG100 X5") is errors.NO_WAY
     run = decode("G90 G01 X5 F100\nG100 X5\nP1=V.A.MERF.X\nX6\nM30", setup(DRIVE, error_no_way=False))
