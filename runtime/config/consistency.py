@@ -24,6 +24,7 @@ def inconsistencies(machine: Machine) -> Iterator[Contradiction]:
     yield from _shared_nodes(machine)
     yield from _drives(machine)
     yield from _measuring(machine)
+    yield from _workpiece(machine)
     yield from _unknown_axes(machine)
     yield from _spindle_axes(machine)
     yield from _axis_groups(machine)
@@ -147,6 +148,18 @@ def _measuring(machine: Machine) -> Iterator[Contradiction]:
             if axis.drive is None or edge not in axis.drive.process_data:
                 reason = f"its drive does not exchange {edge} (process_data)"
                 yield _against(index, ("measuring", "signal"), axis.name, what, reason)
+
+
+def _workpiece(machine: Machine) -> Iterator[Contradiction]:
+    """The simulated workpiece lies in the space of axes with drives."""
+    driven = [axis.name for axis in machine.axes if axis.drive]
+    for name, (low, high) in machine.fieldbus.workpiece.items():
+        location: Location = ("fieldbus", "workpiece", name)
+        if name not in driven:
+            yield _unknown(location, "The workpiece", name, "has no drive", ", ".join(driven), at_key=True)
+        elif not low < high:
+            values = {"axis": name, "what": f"the range {low:g} to {high:g} of the workpiece", "reason": "it is empty"}
+            yield Contradiction(errors.DRIVE_CANNOT, location, values)
 
 
 def _digital_inputs(machine: Machine) -> set[str]:

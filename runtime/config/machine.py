@@ -21,7 +21,7 @@ from runtime.config.channel.synchronisation import SYNCH_FLAGS, SYNCH_TYPES
 from runtime.config.compensation import Compensation
 from runtime.config.consistency import inconsistencies
 from runtime.config.contradictions import Contradiction, ContradictionError, Location
-from runtime.config.drive import Configuration, Drive, Identity, SimulatedServo
+from runtime.config.drive import Configuration, Drive, Identity, Pair, SimulatedServo
 from runtime.config.external import ExternalVariable, Member
 from runtime.config.fir_filter import FirFilter
 from runtime.config.measuring import MeasuringSetup
@@ -282,6 +282,9 @@ class Fieldbus(Model):
     bus: Bus = Bus()
     buses: Annotated[dict[BusName, Bus], Field(max_length=3)] = Field(default_factory=dict)  # further ones, by name
     io: Several[IoNode] = ()
+    workpiece: dict[str, Pair] = Field(
+        default_factory=dict
+    )  # what the probes of simulated drives meet: axis → from, to
 
     def all_buses(self) -> dict[str, Bus]:
         """Name → bus; the first one has the name ""."""

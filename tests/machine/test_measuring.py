@@ -390,3 +390,61 @@ def test_a_job_of_the_plc_and_a_run_do_not_share_a_probe(make: Make) -> None:
     driven.until_done()
     assert driven.alarm(errors.PROBE_BUSY).line == 2
     assert driven.image.probe_function[X] == 0x11
+
+
+# ---------------------------------------------------------------------------------------------------- a simulated workpiece
+
+
+def touched_machine(demo: Machine, **setup: object) -> Machine:
+    """The probe meets a box in X and Y; its level is an input as well."""
+    machine = measuring_machine(demo, None, **setup)
+    drive = machine.axes[X].drive
+    assert drive is not None
+    axes = (
+        machine.axes[X].model_copy(update={"drive": drive.model_copy(update={"inputs": {16: "touched"}})}),
+        *machine.axes[1:],
+    )
+    fieldbus = machine.fieldbus.model_copy(update={"workpiece": {"X": (30.0, 80.0), "Y": (10.0, 60.0)}})
+    return machine.model_copy(update={"axes": axes, "fieldbus": fieldbus})
+
+
+def test_both_drives_latch_where_the_box_was_met(demo: Machine, tmp_path: Path) -> None:
+    """From the origin along (4, 3) the face X = 30 is met at Y = 22.5; from X55 Y0 along Y the face Y = 10."""
+    driven = Driven(touched_machine(demo), tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
+    driven.start(
+        "%BOX\nN10 G90 G100 X80 Y60 F2000\nP1=V.A.MESS.X P2=V.A.MESS.Y\nN20 G00 X20\nN30 X55 Y0\nN40 G100 Y50 F2000\n"
+        "P3=V.A.MESS.Y\nN50 G00 Y0\nN60 M30\n"
+    )
+    driven.until_done()
+    assert driven.alarms == []
+    p = variables(driven)
+    assert (p[1], p[2]) == pytest.approx((30.0, 22.5), abs=0.02)
+    assert p[3] == pytest.approx(10.0, abs=0.02)
+
+
+@pytest.mark.parametrize("feed", [600, 3000])
+def test_an_input_is_an_edge_between_two_cycles(demo: Machine, tmp_path: Path, feed: int) -> None:
+    """The level of the probe as an input of the image: it comes some cycles late, at each feed by as many."""
+    machine = touched_machine(demo, signal="input", input="touched")
+    driven = Driven(machine, tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
+    driven.start(f"%INPUT\nN10 G90 G00 Y30\nN20 G100 X60 F{feed}\nP1=V.A.MESS.X P2=V.A.MERF.X\nN60 M30\n")
+    driven.until_done()
+    assert driven.alarms == []
+    p = variables(driven)
+    cycle = feed / 60.0 * 0.001
+    assert p[2] == 1.0
+    assert 0.0 < p[1] - 30.0 < 4.0 * cycle
+
+
+@pytest.mark.parametrize("input_name", ["touched", None])
+def test_the_level_of_a_touch_probe_is_known_if_an_input_tells_it(
+    demo: Machine, tmp_path: Path, input_name: str | None
+) -> None:
+    driven = Driven(touched_machine(demo, input=input_name), tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
+    driven.start("%INSIDE\nN10 G90 G01 X40 F6000\nN20 Y20\nN30 G100 Y30 F600\nN60 M30\n")
+    driven.until_done()
+    if input_name is None:
+        assert driven.alarms == []
+        return
+    assert driven.alarm(errors.DEFLECTED).line == 4
+    assert float(driven.image.target_position[1]) == pytest.approx(20.0)

@@ -90,6 +90,11 @@ class DriveMotion:
         for probe in self.probes:
             probe.step(function, before, after)
 
+    def touch(self, touched: bool, place: float) -> None:
+        """Touch probe 1 has met the workpiece, or left it, where the motor was at `place`."""
+        self.blind = False
+        self.probes[0].touch(touched, place)
+
     # -- the modes ---------------------------------------------------------------------------------------------------
 
     def step(self, dt: float, *, synchronised: bool) -> None:

@@ -22,6 +22,7 @@ from runtime.fieldbus.simulator.io import SimulatedIo
 from runtime.fieldbus.simulator.node import SimulatedNode
 from runtime.fieldbus.simulator.plant import SimulatedPlant
 from runtime.fieldbus.simulator.servo import Motor
+from runtime.fieldbus.simulator.workpiece import SimulatedWorkpiece
 
 OTHER_VENDOR = 0x1234
 MAX_FRAMES_PER_POLL = 128
@@ -133,6 +134,18 @@ class SimulatedNodes:
             self.ios[number] = SimulatedIo(io, eds, on.network)
             on.nodes[io.node] = self.ios[number]
         self.nodes: dict[int, SimulatedNode] = {**self.drives, **self.ios}
+        self.workpiece = self._workpiece(machine)
+
+    def _workpiece(self, machine: Machine) -> SimulatedWorkpiece | None:
+        """What the touch probes meet, if the machine description has something."""
+        box = machine.fieldbus.workpiece
+        drives = {}
+        for name in box:
+            drive = machine.axes[machine.axis_index(name)].drive
+            assert drive is not None
+            number, _ = self._place(drive.bus, drive.node)
+            drives[name] = [(self.drives[number], drive.increments_per_unit)]
+        return SimulatedWorkpiece(box, drives) if box else None
 
     def _add_drive(self, drive: Drive, node: int, servo: SimulatedServo, motor: Motor) -> None:
         number, on = self._place(drive.bus, node)
@@ -176,6 +189,8 @@ class SimulatedNodes:
         self._step_plant()
         for node in self.nodes.values():
             node.step(now)
+        if self.workpiece is not None:
+            self.workpiece.step()
         if self._encoders:
             for number, drive in self.drives.items():
                 self._encoders[number] = drive.servo.position

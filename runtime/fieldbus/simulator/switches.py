@@ -64,9 +64,10 @@ class TouchProbe:
         self.positions = [0.0, 0.0]  # rising, falling
         self._shift = PROBE_2_SHIFT * (number - 1)
         self._function = 0
+        self.touched = False  # it has met the simulated workpiece
 
     def level(self, position: float) -> bool:
-        return self.place is not None and position >= self.place
+        return self.touched or (self.place is not None and position >= self.place)
 
     def step(self, function: int, before: float, after: float) -> None:
         """The motor has moved; `function`: object 0x60B8."""
@@ -74,12 +75,23 @@ class TouchProbe:
         if function != self._function:
             self._function = function
             self.status = PROBE_IS_ON if function & PROBE_ON else 0
-        if not function & PROBE_ON or self.place is None or self.level(before) is self.level(after):
+        if self.place is not None and self.level(before) is not self.level(after):
+            self._store(self.level(after), self.place)
+
+    def touch(self, touched: bool, place: float) -> None:
+        """It has met the workpiece, or left it, at `place`."""
+        if touched is not self.touched:
+            self.touched = touched
+            self._store(touched, place)
+
+    def _store(self, rises: bool, place: float) -> None:
+        """An edge: latched if the probe is on and waits for it."""
+        function = self._function
+        if not function & PROBE_ON:
             return
-        rises = self.level(after)
         edge, stored = (PROBE_RISING, PROBE_HAS_RISEN) if rises else (PROBE_FALLING, PROBE_HAS_FALLEN)
         if function & edge and (function & PROBE_CONTINUOUS or not self.status & stored):
-            self.positions[0 if rises else 1] = self.place
+            self.positions[0 if rises else 1] = place
             self.status |= stored
 
     @property
