@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,16 +24,15 @@ X = 0
 Make = Callable[..., Driven]
 
 
-def measuring_machine(demo: Machine, probe: float | None = EDGE, *, parameters: dict[str, object] | None = None,
-                      **setup: object) -> Machine:  # fmt: skip
+def measuring_machine(demo: Machine, probe: float | None = EDGE, *, parameters: Mapping[str, object] | None = None,
+                      hold: float | None = None, **setup: Any) -> Machine:  # fmt: skip
     """The demo machine whose axis X has a touch probe at its drive."""
     axes = []
-    hold = setup.pop("hold", None)
     for axis in demo.axes[:2]:
         assert axis.drive is not None
         servo = SimulatedServo(probe=probe) if axis.name == "X" else axis.drive.simulated
         drive = axis.drive.model_copy(update={"process_data": ("probe_1_rising",), "simulated": servo})
-        axes.append(axis.model_copy(update={"measuring": MeasuringSetup(**setup), "drive": drive}))  # type: ignore[arg-type]
+        axes.append(axis.model_copy(update={"measuring": MeasuringSetup(**setup), "drive": drive}))
     if hold is not None:
         axes = [axis.model_copy(update={"feed_hold": FeedHoldRamp(deceleration=hold)}) for axis in axes]
     channel = demo.channels[0]
@@ -43,8 +43,8 @@ def measuring_machine(demo: Machine, probe: float | None = EDGE, *, parameters: 
 
 @pytest.fixture
 def make(demo: Machine, tmp_path: Path) -> Make:
-    def build(probe: float | None = EDGE, **options: object) -> Driven:
-        machine = measuring_machine(demo, probe, **options)  # type: ignore[arg-type]
+    def build(probe: float | None = EDGE, **options: Any) -> Driven:
+        machine = measuring_machine(demo, probe, **options)
         return Driven(machine, tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
 
     return build
@@ -265,7 +265,7 @@ class ProbingPlc(ScriptedPlc):
 
 
 def with_plc(demo: Machine, folder: Path, signal: str, edge: float = EDGE, *, stamped: bool = False, claims: bool = True,
-             parameters: dict[str, object] | None = None) -> Driven:  # fmt: skip
+             parameters: Mapping[str, object] | None = None) -> Driven:  # fmt: skip
     machine = measuring_machine(demo, None, signal=signal, parameters=parameters)
     return Driven(
         machine,
@@ -395,7 +395,7 @@ def test_a_job_of_the_plc_and_a_run_do_not_share_a_probe(make: Make) -> None:
 # ---------------------------------------------------------------------------------------------------- a simulated workpiece
 
 
-def touched_machine(demo: Machine, **setup: object) -> Machine:
+def touched_machine(demo: Machine, **setup: Any) -> Machine:
     """The probe meets a box in X and Y; its level is an input as well."""
     machine = measuring_machine(demo, None, **setup)
     drive = machine.axes[X].drive
