@@ -119,13 +119,14 @@ def take_values(x: Execution) -> None:
     if position is None or measured is None:  # without a machine a run ends at its target
         measured = dict(enumerate(run.end))
     else:
-        x.coordinates.moved([float(p) for p in position])
+        x.coordinates.moved_to([float(p) for p in position])
         x.emit(PathRestart(x.source))
     by_hand = x.outside.manual_offsets()
     found = {axis: measured[axis] for axis in run.axes if axis in measured}
     programmed = _programmed(x, run, measured, [0.0] * len(run.end) if by_hand is None else [float(p) for p in by_hand])
     for axis, place in found.items():
-        state.values[axis] = Measured(place, place - run.end[axis])
+        below = x.coordinates.lower[axis] if axis < MAIN_AXES else 0.0
+        state.values[axis] = Measured(place, place - below, place - run.end[axis])
         state.done.add(axis)
     state.programmed |= programmed
 
@@ -141,6 +142,7 @@ def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
         (x.modal.contouring, "polynomial contouring"),
         (smoothing.spline_on, "a spline"),
         (smoothing.hsc_on, "HSC"),
+        (x.coordinates.frame is not None, "a rotated coordinate system"),
     ):
         if active:
             raise LineError(catalogue.BARRED, column, what=what)

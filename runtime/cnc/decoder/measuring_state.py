@@ -9,9 +9,10 @@ from runtime.cnc.decoder.measuring_setup import AxisProbe
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """A value of an axis: machine coordinate, and its difference to the target; mm or degrees."""
+    """A value of an axis: machine coordinate, the same in the active system, the difference to the target; mm or degrees."""
 
     place: float
+    in_system: float
     offset: float
 
 

@@ -351,3 +351,16 @@ def test_a_check_without_machine_takes_the_run_to_its_target() -> None:
     run = decode("G90 G01 F100\nG100 X20\nP1=V.A.MESS.X P2=V.A.MERF.X P3=V.A.MOFFS.X\nM30", setup(DRIVE))
     assert run.problem is None
     assert run.parameters == {1: 20, 2: 1, 3: 0}
+
+
+@pytest.mark.spec("isg.var.a-measuring")
+def test_a_shifted_coordinate_system_counts_in_mess_and_a_rotated_one_is_refused() -> None:
+    run = decode(
+        "G90 G01 F100\n#CS ON [7,0,0,0,0,0]\nG100 X20\n"
+        "P1=V.A.MESS.X P2=V.A.MEAS.ACS.VALUE.X P3=V.A.MEAS.PCS.VALUE.X P4=V.A.MOFFS.X\nM30",
+        setup(DRIVE),
+        outside=Probed([[25.5, 0, 0]], [{0: 25.0}]),
+    )
+    assert run.problem is None
+    assert run.parameters == {1: 18, 2: 25, 3: 18, 4: -2}
+    assert refused("#CS ON [0,0,0,0,0,30]\nG100 X5") is errors.BARRED

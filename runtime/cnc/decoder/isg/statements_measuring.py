@@ -158,19 +158,21 @@ def is_measured(x: Execution, axis: int) -> float:
     return float(axis in x.measuring.done)
 
 
-def _place(x: Execution, axis: int) -> float:
+@variable(
+    "V.A.MESS.<axis>",
+    _VALUES,
+    "measured value with all offsets, in the active coordinate system; 0 without",
+    unit=_LENGTH,
+)
+def measured_value(x: Execution, axis: int) -> float:
+    value = x.measuring.values.get(axis)
+    return 0.0 if value is None else x.shown(axis, x.counted(axis, value.in_system))
+
+
+@variable("V.A.MEAS.ACS.VALUE.<axis>", _VALUES, "measured value of the axis with all offsets, 0 without", unit=_LENGTH)
+def measured_of_axis(x: Execution, axis: int) -> float:
     value = x.measuring.values.get(axis)
     return 0.0 if value is None else x.shown(axis, x.counted(axis, value.place))
-
-
-@variable("V.A.MESS.<axis>", _VALUES, "measured value with all offsets, 0 without", unit=_LENGTH)
-def measured_value(x: Execution, axis: int) -> float:
-    return _place(x, axis)
-
-
-@variable("V.A.MEAS.ACS.VALUE.<axis>", _VALUES, "measured value with all offsets, 0 without", unit=_LENGTH)
-def measured_of_axis(x: Execution, axis: int) -> float:
-    return _place(x, axis)
 
 
 @variable(
