@@ -209,6 +209,8 @@ def _unknown_axes(machine: Machine) -> Iterator[Contradiction]:
                 yield _unknown(location, user, name, "is not described under axes", known)
             elif name in channel.axes[:number]:
                 yield _unknown(location, user, name, "stands in the list already", known)
+            elif machine.axes[names.index(name)].type.value == "spindle":
+                yield Contradiction(errors.SPINDLE_IN_PATH, location, {"channel": channel.name, "axis": name})
         for offset, shifts in channel.zero_offsets.items():
             for name in shifts:
                 if name not in channel.axes:

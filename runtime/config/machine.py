@@ -224,6 +224,10 @@ class Channel(Model):
             raise ContradictionError([Contradiction(errors.PATHS_TWICE, ("program_paths",), values, at_key=True)])
         return self
 
+    def number(self, index: int) -> int:
+        """The number of the channel: its own (P-CHAN-00400), else its place in the list, from 1."""
+        return self.parameters.channel_id or index + 1
+
     def folders(self, kind: PathKind) -> tuple[str, ...]:
         """The folders of a kind, in the order in which they are searched: `path[]`, or else `program_paths`.
 

@@ -23,8 +23,9 @@ def describe_machine(hli: Hli, machine: Machine) -> None:
         put_text(area, "name_r", axis.name)
         area.log_ax_n_r = axis.log_axis
         area.axis_type_r = AXIS_TYPE[axis.type]
-    for area, channel in zip(hli.channels, machine.channels, strict=False):
+    for index, (area, channel) in enumerate(zip(hli.channels, machine.channels, strict=False)):
         put_text(area, "name_r", channel.name)
+        area.number_r = channel.number(index)
         area.axis_count_r = len(channel.axes)
         for i, name in enumerate(channel.axes):
             area.axis_index_r[i] = machine.axis_index(name)

@@ -76,6 +76,7 @@ class ErrorPort:
         record.error_id_r, record.severity_r, record.reaction_r = message.id, message.severity, message.reaction
         record.axis_r, record.line_r = message.axis, message.line
         record.body_type_r = Body.NC_PROGRAM if message.program or message.line else Body.NONE
+        record.channel_r = self._channel.number_r
         put_text(record, "program_r", message.program)
         put_text(record, "text_r", message.text)
         self._sequence = (self._sequence + 1) & 0xFFFFFFFF

@@ -851,6 +851,7 @@ class ErrorRecord(c.Structure):
         ("axis_r", c.c_int32),  # logical axis number, 0 = none
         ("body_type_r", c.c_uint32),
         ("line_r", c.c_uint32),
+        ("channel_r", c.c_uint32),  # number of the channel (P-CHAN-00400)
         ("program_r", c.c_char * TEXT),
         ("text_r", c.c_char * TEXT),
     ]
@@ -875,6 +876,7 @@ class Channel(c.Structure):
 
     _fields_ = [
         ("name_r", c.c_char * NAME),
+        ("number_r", c.c_uint32),  # P-CHAN-00400, else the place among the channels, from 1
         ("plc_present_w", c.c_bool),
         ("axis_count_r", c.c_uint16),
         ("axis_index_r", c.c_uint16 * MAX_CHANNEL_AXES),  # into the axis areas

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import machine as alarms
 from runtime.diagnostics.errors import Problem, Reaction, Severity
+from runtime.hli.describe import describe_machine
 from runtime.hli.error_messages import WAITING, Body, ErrorMessage, ErrorPort, ErrorTaker
 from runtime.hli.memory import HliMemory
 from runtime.plc_logic.areas import ChannelPort
@@ -36,6 +39,22 @@ def test_one_waits_until_it_is_taken_and_the_next_follows() -> None:
     assert taker.take() == message(2)
     port.poll()
     assert taker.take() is None
+
+
+@pytest.mark.spec("chan.channel-id")
+@pytest.mark.parametrize(("own", "number"), [(0, 1), (7, 7)])
+def test_an_error_tells_the_number_of_its_channel(demo: Machine, own: int, number: int) -> None:
+    described = demo.channels[0]
+    parameters = described.parameters.model_copy(update={"channel_id": own})
+    machine = demo.model_copy(update={"channels": (described.model_copy(update={"parameters": parameters}),)})
+    memory = HliMemory.private()
+    describe_machine(memory.hli, machine)
+    channel = memory.hli.channels[0]
+    channel.plc_present_w = True
+    port = ErrorPort(channel)
+    port.put(message(1))
+    port.poll()
+    assert (channel.number_r, channel.mc_error.message_r.channel_r) == (number, number)
 
 
 def test_of_too_many_the_first_ones_are_kept_and_nobody_gets_what_is_old() -> None:

@@ -110,10 +110,12 @@ class WordBlocks:
             return False
         end = coordinates.position.copy()
         gain, shift, incremental = coordinates.gain, coordinates.shift, modal.incremental
-        inch, linear = modal.inch, x.setup.linear
+        inch, linear, rotary = modal.inch, x.setup.linear, x.setup.rotary_unit
         for axis, slot in block.axes:
             value = values[slot]
-            if inch and linear[axis]:
+            if not linear[axis]:
+                value *= rotary
+            elif inch:
                 value *= INCH
             if axis in x.modulo.ranges:
                 return False
@@ -166,7 +168,7 @@ class WordBlocks:
         for declaration in block.declarations:
             declare(x, declaration, values)
         if x.setup.mixed_dimension:
-            self._mixed_dimension(block)
+            self._mixed_dimension(block, values)
         if block.beside is not None:
             slots = block.beside
             before = slots.statement.syntax.name.startswith("SUPPRESS")
@@ -325,15 +327,22 @@ class WordBlocks:
             ):
                 raise LineError(catalogue.NOT_ALONE, call.column, word=f"G{call.number}")
 
-    def _mixed_dimension(self, block: CompiledBlock) -> None:
-        """G90 and G91 hold for the coordinates right of them (P-CHAN-00116)."""
+    def _mixed_dimension(self, block: CompiledBlock, values: Values) -> None:
+        """G90 and G91 hold for the coordinates right of them (P-CHAN-00116). Of an axis that stands several times in the block
+        (P-CHAN-00148) relative words add up, to an absolute one too; an absolute one leaves out what stands left of it."""
         x = self._x
         state = x.modal.incremental
+        slots = iter(block.axes)
+        x.axis_words.clear()
         for word in block.words:
             if word.kind is WordKind.G and word.index in (90, 91):
                 state = word.index == 91
             elif word.kind is WordKind.AXIS:
-                x.incremental_words[word.index] = state
+                axis, slot = next(slots)
+                if state and axis in x.axis_words:
+                    x.axis_words[axis] += values[slot]
+                else:
+                    x.axis_words[axis], x.incremental_words[axis] = values[slot], state
 
     def _feeds(self, block: CompiledBlock, values: Values) -> None:
         x, modal = self._x, self._x.modal

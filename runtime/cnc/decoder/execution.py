@@ -67,16 +67,18 @@ _QUOTED = re.compile(r'\\?"((?:\\\\.|[^"\\])*)\\?"')
 
 _LEADING_NUMBER = re.compile(r"[ \t]*(?:/[ \t]*\d*)?[ \t]*[Nn][ \t]*(\d+)(?![\d.*/+-])")
 
-_vocabularies: dict[bool, Vocabulary] = {}
+_vocabularies: dict[tuple[bool, bool], Vocabulary] = {}
 
 
 def vocabulary(setup: DecoderSetup) -> Vocabulary:
-    """The words of the dialect as this channel has them (P-CHAN-00116: G90 and G91 mixed in a block)."""
+    """The words of the dialect as this channel has them (P-CHAN-00116: G90 and G91 mixed in a block; P-CHAN-00148: with an axis
+    several times)."""
     mixed = setup.mixed_dimension
-    if mixed not in _vocabularies:
+    key = mixed, mixed and setup.repeated_axes
+    if key not in _vocabularies:
         repeatable = frozenset({Group.DIMENSION}) if mixed else frozenset()
-        _vocabularies[mixed] = Vocabulary(*syntaxes(), repeatable)
-    return _vocabularies[mixed]
+        _vocabularies[key] = Vocabulary(*syntaxes(), repeatable, key[1])
+    return _vocabularies[key]
 
 
 def check_continued(parsed: ParsedBlock, text: BlockText) -> None:
@@ -108,6 +110,7 @@ class Execution:
         self.library = library
         self.skip_levels = skip_levels
         self.modal = ModalState()
+        self.modal.inch = setup.inch
         if setup.feed > 0:
             self.modal.feed = setup.feed
         self.dynamics = setup.dynamics
@@ -404,7 +407,9 @@ class Execution:
 
     def axis_value(self, axis: int, value: float) -> float:
         """A programmed axis value in mm or degrees."""
-        return value * INCH if self.modal.inch and self.setup.linear[axis] else value
+        if not self.setup.linear[axis]:
+            return value * self.setup.rotary_unit
+        return value * INCH if self.modal.inch else value
 
     def turn_directions(self, words: dict[int, float]) -> dict[int, int] | None:
         """Of axes that turn without end and get an absolute word (mm or degrees): 1, -1 or 0 for the shorter way. None: as the
@@ -412,8 +417,10 @@ class Execution:
         return None
 
     def shown(self, axis: int, value: float) -> float:
-        """A value of an axis as the program sees it: inch where inch is selected."""
-        return value / INCH if self.modal.inch and self.setup.linear[axis] else value
+        """A value of an axis as the program sees it: inch where inch is selected, gradians where they are configured."""
+        if not self.setup.linear[axis]:
+            return value / self.setup.rotary_unit
+        return value / INCH if self.modal.inch else value
 
     def counted(self, axis: int, position: float) -> float:
         """A machine position of an axis as the program counts it: without the turns that it leaves out."""

@@ -158,7 +158,7 @@ class PlainRuns:
         feeds, lines, numbers = np.empty(room), np.empty(room, np.int64), np.empty(room, np.int64)
         position = np.array(coordinates.position)
         gain, shift = np.array(coordinates.gain), np.array(coordinates.shift)
-        inch = np.where(x.setup.linear, INCH, 1.0) if modal.inch else np.ones(len(position))
+        inch = np.where(x.setup.linear, INCH if modal.inch else 1.0, x.setup.rotary_unit)
         feed_factor = (INCH if modal.inch else 1.0) * x.setup.feed_factor
         following, moves, mode, feed = trace_plain(
             rows.values,

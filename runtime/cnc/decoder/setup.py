@@ -41,6 +41,7 @@ from runtime.hli.units import MICROSECOND
 
 ZERO_OFFSETS = range(53, 60)
 CENTRE_SHIFT = 2.0  # mm, default of P-CHAN-00059 (20000 · 0.1 µm)
+GRADIAN = 0.9  # degrees
 CYCLE_MEMORY = 8000  # bytes for V.CYC without P-CHAN-00418 (line 1313)
 CENTRE_SHIFT_SHARE = 0.05  # of the radius, default of P-CHAN-00060 (50 · 0.1 %)
 
@@ -213,6 +214,9 @@ class DecoderSetup:
     macros: Mapping[str, str] = field(default_factory=dict)  # makro_def[]
     feed_factor: float = 1.0  # F to mm/min, from P-CHAN-00108
     mixed_dimension: bool = False  # P-CHAN-00116
+    repeated_axes: bool = False  # P-CHAN-00148, with P-CHAN-00116
+    inch: bool = False  # P-CHAN-00054: programs begin with G70
+    rotary_unit: float = 1.0  # degrees of a programmed unit of rotary axes, P-CHAN-00079
     clamp_limits: bool = False  # P-CHAN-00498: G98 and G99 may only narrow the configured limits
     radius_change: float = 0.0  # mm, P-CHAN-00171: greatest difference of radii of an arc with G164, 0 is none
     radius_change_share: float = 0.0  # of the radius, P-CHAN-00172
@@ -294,7 +298,7 @@ class DecoderSetup:
         axes = [machine.axes[machine.axis_index(axis)] for axis in described.axes]
         return cls(
             axes=described.axes,
-            channel_number=channel + 1,
+            channel_number=described.number(channel),
             measuring=MeasuringChannel.of(machine, axes, parameters),
             main_spindle=next((i for i, s in enumerate(spindles) if s.log_axis == parameters.main_spindle_ax_nr), 0),
             main_name=parameters.main_spindle_name,
@@ -339,6 +343,9 @@ class DecoderSetup:
             radius_change_share=parameters.radius_difference_share,
             macros=parameters.macros,
             mixed_dimension=bool(parameters.multi_dimension_in_block),
+            repeated_axes=parameters.multi_axes_in_block,
+            inch=bool(parameters.mass_einh),
+            rotary_unit=GRADIAN if parameters.rund_mass_einh else 1.0,
             clamp_limits=bool(parameters.range_check_prog_soft_limits),
             create_transfer=bool(parameters.create_cycle_param_on_read),
             keep_cycle_changes=bool(parameters.cycle_changes_modal),

@@ -325,6 +325,9 @@ class ChannelParameters(Model):
     # motion words
     multi_dimension_in_block: bool = False  # P-CHAN-00116, G90 and G91 in one block
     multi_axes_in_block: bool = False  # P-CHAN-00148, an axis several times in a block
+    mass_einh: int = Field(default=0, ge=0, le=1)  # P-CHAN-00054, unit of linear axes: 1 inch
+    rund_mass_einh: int = Field(default=0, ge=0, le=1)  # P-CHAN-00079, unit of rotary axes: 1 gradians
+    channel_id: int = Field(default=0, ge=0, le=65535)  # P-CHAN-00400, number of the channel; 0: its place in the list
     mittelpkt_diff: float = 20000.0  # P-CHAN-00059, 0.1 µm
     mittelpkt_faktor: int = 50  # P-CHAN-00060, 0.1 % of the radius
     max_radius_diff_circle: int = 0  # P-CHAN-00171, 0.1 µm; 0: off

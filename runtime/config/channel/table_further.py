@@ -157,7 +157,7 @@ ROWS = (
       "Directions in which plane intersection points are computed (2-path)"),
     P(399, "provide_channel_interface.track_cs", "BOOLEAN", "", False, 8305,
       "1 = dynamic-CS channel interface supplied from program start"),
-    P(400, "channel_id", "UNS16", "", 0, 8120, "Fixed channel number; 0 gives channel index + 1"),
+    P(400, "channel_id", "UNS16", "", 0, 8120, "Fixed channel number; 0 gives channel index + 1", use=Use.USED),
     P(401, "path[i].dir", "STRING", "256", "", 8241, "Directory searched for NC programs", index=((0, 11),), use=Use.USED),
     P(402, "path[i].id", "UNS16", "1..MAX", 0, 8252,
       "Unique logical number of the program path", index=((0, 11),), use=Use.USED),

@@ -244,6 +244,12 @@ DRIVE_CANNOT = ErrorEntry(
     "Axis {axis} cannot have {what}: {reason}",
     remedy="Leave one of both out.",
 )
+SPINDLE_IN_PATH = ErrorEntry(
+    314030,
+    "Channel {channel} lists {axis} among its path axes, but it is a spindle",
+    remedy="name it under `spindel` of the channel parameters",
+    source="channel parameters line 3549",
+)
 ANALOGUE_UNFIT = ErrorEntry(
     302052,
     "The analogue channel {name} cannot be so: {reason}",

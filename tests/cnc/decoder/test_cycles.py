@@ -51,7 +51,7 @@ def test_a_global_cycle_and_its_mistakes() -> None:
     assert problem_of("P1 = V.G.@P[1].VALID\nM30") is C.TRANSFER_OUTSIDE
 
 
-@pytest.mark.spec("isg.sub.cycle-parameters")
+@pytest.mark.spec("isg.sub.cycle-parameters", "chan.cycles.params")
 def test_what_was_not_given() -> None:
     cycle = (
         "%L C\nP2 = V.G.@P[2].VALID P3 = @P2 P4 = V.G.@P[2].VALID P5 = V.G.@P[1].VALID\n@P1 = @P1 + 1\nP6 = @P1\nM17\n"
@@ -108,7 +108,7 @@ def test_disable_modal_cycle_stands_alone() -> None:
     assert (caught.value.problem.entry, caught.value.problem.place.column) == (C.NOT_ALONE, 4)
 
 
-@pytest.mark.spec("isg.sub.cycle-modal-state")
+@pytest.mark.spec("isg.sub.cycle-modal-state", "chan.cycles.modal")
 @pytest.mark.parametrize(
     ("cycle", "main", "setup", "stays"),
     [

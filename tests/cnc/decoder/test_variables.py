@@ -176,7 +176,7 @@ def test_a_pointer_to_no_parameter_is_an_error() -> None:
     assert refused("P1 = 0\nPP1 = 1") is C.PARAMETER_INDEX
 
 
-@pytest.mark.spec("isg.param.program-global")
+@pytest.mark.spec("isg.param.program-global", "chan.p-params-persistent")
 @pytest.mark.parametrize("kept", [True, False])
 def test_parameters_outlive_their_program_if_configured(kept: bool) -> None:
     setup = replace(SETUP, keep_parameters=kept)

@@ -105,7 +105,7 @@ MISTAKES = {
     "two types": ("m_synch[8] MOS | MVS_SVS", 302022, 12, "exactly one"),
     "bar forgotten": ("m_synch[8] MVS_SVS PLC_INFO", 302031, 12, "'PLC_INFO' without a |"),
     "type of M functions only": ("tool.synch MVS_SLM", 302015, 12, "'MVS_SLM' is unknown"),
-    "changes motion": ("mass_einh 1", 302024, 11, "mass_einh (P-CHAN-00054"),
+    "changes motion": ("lin_aufloes 1000", 302024, 13, "lin_aufloes (P-CHAN-00034"),
     "named in the manual only": ("t_with_tool_data_provide 1", 302024, 1, "P-CHAN-00322"),
     "twice": ("p_param_haltend 1\np_param_haltend 1", 302026, 1, "line 2 of the list"),
     "twice under an older name": ("tool.synch MOS\nwerkzeug.synch MOS", 302026, 1, "line 2"),
@@ -143,7 +143,7 @@ def test_a_mistake_is_told_at_its_place(tmp_path: Path, text: str, number: int, 
 
 def test_mistakes_of_the_description_come_first_and_all_are_told(tmp_path: Path) -> None:
     problems = list_problems(
-        tmp_path, "mass_einh 1\n[\np_param_haltend x\n", "    parameters: {m_synch: {8: MO}, x: 1}\n"
+        tmp_path, "lin_aufloes 1000\n[\np_param_haltend x\n", "    parameters: {m_synch: {8: MO}, x: 1}\n"
     )
     places = [(Path(problem.place.file).name, problem.place.line, problem.entry.id) for problem in problems]
     assert places == [

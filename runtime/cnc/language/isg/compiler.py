@@ -343,6 +343,7 @@ def compile_block(
     simple = (
         simple and plain and bool(axes) and kinds <= {WordKind.AXIS, WordKind.FEED, WordKind.G, WordKind.ASSIGNMENT}
     )
+    simple = simple and len({axis for axis, _ in axes}) == len(axes)
     motions = [word.index for word in block.words if word.kind is WordKind.G]
     simple = simple and (not motions or (len(motions) == 1 and motions[0] in (0, 1)))
     return CompiledBlock(

@@ -566,7 +566,7 @@ def check_words(words: tuple[Word, ...], addresses: Addresses, vocabulary: Vocab
             key = (word.kind, word.name if word.kind is WordKind.ADDITION else word.index)
             if word.kind is WordKind.DWELL:
                 key = (word.kind, 0)
-            if key in seen:
+            if key in seen and not (word.kind is WordKind.AXIS and vocabulary.repeats_axes):
                 raise LineError(catalogue.WORD_TWICE, word.column, address=word.name or _ONCE[word.kind])
             seen.add(key)
             if word.kind is WordKind.DWELL and len(words) > 1:

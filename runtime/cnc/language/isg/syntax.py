@@ -159,8 +159,9 @@ class VariableSyntax:
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """What the parser knows: G functions by number, statements by name, groups that may stand several times in a block."""
+    """What the parser knows: G functions by number, statements by name, what may stand several times in a block."""
 
     g: Mapping[int, GSyntax]
     statements: Mapping[str, StatementSyntax]
     repeatable: frozenset[Group] = frozenset()
+    repeats_axes: bool = False  # an axis may stand several times in a block
