@@ -17,6 +17,7 @@ from runtime.hli.layout import SearchOrder, State
 from runtime.hli.memory import HliMemory
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
+from tests.recorder.test_keyframes import assert_same_from_each, with_keyframes
 from tests.recorder.test_replay import Recorded
 
 EDGE = 33.3337  # mm of the encoder since power-on, which is the position of the axis here
@@ -25,10 +26,10 @@ Make = Callable[..., Driven]
 
 
 def measuring_machine(demo: Machine, probe: float | None = EDGE, *, parameters: Mapping[str, object] | None = None,
-                      hold: float | None = None, **setup: Any) -> Machine:  # fmt: skip
+                      hold: float | None = None, count: int = 2, **setup: Any) -> Machine:  # fmt: skip
     """The demo machine whose axis X has a touch probe at its drive."""
     axes = []
-    for axis in demo.axes[:2]:
+    for axis in demo.axes[:count]:
         assert axis.drive is not None
         servo = SimulatedServo(probe=probe) if axis.name == "X" else axis.drive.simulated
         drive = axis.drive.model_copy(update={"process_data": ("probe_1_rising",), "simulated": servo})
@@ -38,7 +39,7 @@ def measuring_machine(demo: Machine, probe: float | None = EDGE, *, parameters: 
     channel = demo.channels[0]
     if parameters:
         channel = channel.model_copy(update={"parameters": channel.parameters.model_copy(update=parameters)})
-    return demo.model_copy(update={"axes": (*axes, *demo.axes[2:]), "channels": (channel,)})
+    return demo.model_copy(update={"axes": (*axes, *demo.axes[count:]), "channels": (channel,)})
 
 
 @pytest.fixture
@@ -383,6 +384,29 @@ def test_a_run_is_done_again_by_a_replay(demo: Machine, tmp_path: Path) -> None:
     recorded.replayed()
 
 
+def test_a_replay_begins_in_the_middle_of_a_run(demo: Machine, tmp_path: Path) -> None:
+    recorded = Recorded(measuring_machine(demo), tmp_path)
+    recorded.start("%MIDDLE\nN10 G90 G100 X100 F3000\nP1=V.A.MESS.X\nN20 G01 X[P1-10] F3000\nN30 M30\n")
+    with_keyframes(recorded, 1.6, 83)
+    assert_same_from_each(recorded, tmp_path, 5)
+
+
+def test_a_run_in_a_rotated_coordinate_system(demo: Machine, tmp_path: Path) -> None:
+    """The system is turned by 30 degrees; along its X the face X = 30 of the box is met at 30 / cos 30."""
+    driven = Driven(touched_machine(demo, third=True), tmp_path, partner=lambda memory: ScriptedPlc(memory, {}))
+    driven.start(
+        "%TURNED\nN10 G90\n#CS ON [0,0,0,0,0,30]\nN20 G100 X60 F2000\nP1=V.A.MEAS.PCS.VALUE.X P2=V.A.MEAS.PCS.VALUE.Y\n"
+        "P3=V.A.MESS.X P4=V.A.MEAS.ACS.VALUE.X P5=V.A.MEAS.ACS.VALUE.Y\nN30 G00 X5\nN40 M30\n"
+    )
+    driven.until_done()
+    assert driven.alarms == []
+    p = variables(driven)
+    along = 30.0 / np.cos(np.radians(30.0))
+    assert (p[1], p[2], p[3]) == pytest.approx((along, 0.0, along), abs=0.02)
+    assert (p[4], p[5]) == pytest.approx((30.0, along / 2.0), abs=0.02)
+    assert float(driven.image.target_position[X]) == pytest.approx(5.0 * np.cos(np.radians(30.0)), abs=1e-6)
+
+
 def test_a_job_of_the_plc_and_a_run_do_not_share_a_probe(make: Make) -> None:
     driven = make()
     driven.image.probe_function[X] = 0x11  # as a job that waits
@@ -395,16 +419,17 @@ def test_a_job_of_the_plc_and_a_run_do_not_share_a_probe(make: Make) -> None:
 # ---------------------------------------------------------------------------------------------------- a simulated workpiece
 
 
-def touched_machine(demo: Machine, **setup: Any) -> Machine:
-    """The probe meets a box in X and Y; its level is an input as well."""
-    machine = measuring_machine(demo, None, **setup)
+def touched_machine(demo: Machine, *, third: bool = False, **setup: Any) -> Machine:
+    """The probe meets a box in X and Y, and with `third` in Z, wherever that is; its level is an input as well."""
+    machine = measuring_machine(demo, None, count=3 if third else 2, **setup)
     drive = machine.axes[X].drive
     assert drive is not None
     axes = (
         machine.axes[X].model_copy(update={"drive": drive.model_copy(update={"inputs": {16: "touched"}})}),
         *machine.axes[1:],
     )
-    fieldbus = machine.fieldbus.model_copy(update={"workpiece": {"X": (30.0, 80.0), "Y": (10.0, 60.0)}})
+    box = {"X": (30.0, 80.0), "Y": (10.0, 60.0)} | ({"Z": (-500.0, 500.0)} if third else {})
+    fieldbus = machine.fieldbus.model_copy(update={"workpiece": box})
     return machine.model_copy(update={"axes": axes, "fieldbus": fieldbus})
 
 

@@ -117,18 +117,17 @@ def take_values(x: Execution) -> None:
     assert run is not None
     measured, position = x.outside.measured(), x.outside.command_position()
     if position is None or measured is None:  # without a machine a run ends at its target
-        measured = dict(enumerate(run.end))
+        measured = dict(enumerate(x.coordinates.machine(run.end)))
     else:
         x.coordinates.moved_to([float(p) for p in position])
         x.emit(PathRestart(x.source))
     by_hand = x.outside.manual_offsets()
     found = {axis: measured[axis] for axis in run.axes if axis in measured}
-    programmed = _programmed(x, run, measured, [0.0] * len(run.end) if by_hand is None else [float(p) for p in by_hand])
+    offsets = [0.0] * len(run.end) if by_hand is None else [float(p) for p in by_hand]
+    _note_point(x, run, found, offsets)
     for axis, place in found.items():
-        below = x.coordinates.lower[axis] if axis < MAIN_AXES else 0.0
-        state.values[axis] = Measured(place, place - below, place - run.end[axis])
+        state.places[axis] = place
         state.done.add(axis)
-    state.programmed |= programmed
 
 
 # ---------------------------------------------------------------------------------------------------- what may be measured
@@ -142,7 +141,6 @@ def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
         (x.modal.contouring, "polynomial contouring"),
         (smoothing.spline_on, "a spline"),
         (smoothing.hsc_on, "HSC"),
-        (x.coordinates.frame is not None, "a rotated coordinate system"),
     ):
         if active:
             raise LineError(catalogue.BARRED, column, what=what)
@@ -163,16 +161,20 @@ def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
 
 
 def _axes_of(x: Execution, block: CompiledBlock) -> tuple[int, ...]:
-    """The axes that measure: those of the block, and where one of them lies in a rotated plane the other one too if it can."""
+    """The axes that measure: those of the block, and those that turn with one of them, if they can. P-CHAN-00327: in a coordinate
+    system all that can."""
     axes = set(x.axis_words)
     if not axes:
         raise LineError(catalogue.AXES_MISSING, x.measuring.column)
     for axis in sorted(axes):
         if x.measuring.probes[axis] is None:
             raise LineError(catalogue.NOT_MEASURING, block.column(WordKind.AXIS, axis), axis=x.setup.axes[axis])
-    rotation = x.coordinates.rotation
-    if rotation is not None and axes & set(rotation.plane):
-        axes |= {axis for axis in rotation.plane if x.measuring.probes[axis] is not None}
+    with_them = _together(x)
+    everything = x.setup.measuring.all_axes and bool(x.systems.chain)
+    if everything:
+        with_them = set(range(len(x.setup.axes)))
+    if everything or axes & with_them:
+        axes |= {axis for axis in with_them if x.measuring.probes[axis] is not None}
     return tuple(sorted(axes))
 
 
@@ -220,7 +222,8 @@ def _feed(x: Execution, block: CompiledBlock, start: list[float], end: list[floa
 def _within_limits(x: Execution, start: list[float], end: list[float]) -> tuple[bool, list[float]]:
     """Whether the run would leave the software limits, and how far it may go in its direction (P-CHAN-00268)."""
     share = 1.0
-    for axis, (s, e) in enumerate(zip(start, end, strict=True)):
+    on_machine = zip(x.coordinates.machine(start), x.coordinates.machine(end), strict=True)
+    for axis, (s, e) in enumerate(on_machine):
         if x.limit_behaviour[axis] is not LimitBehaviour.ERROR:
             continue
         low, high = x.soft_limits[axis]
@@ -253,25 +256,40 @@ def _dynamics(x: Execution) -> DynamicSettings:
 # ---------------------------------------------------------------------------------------------------- programmed coordinates
 
 
-def _programmed(x: Execution, run: Run, measured: Mapping[int, float], by_hand: list[float]) -> dict[int, float]:
-    """The measured point as it would be programmed, with the ball of the probe: axis → mm or degrees. A rotated plane needs both
-    of its axes."""
-    setup = x.setup.measuring
-    places = [measured.get(axis, run.end[axis] if axis in run.axes else x.coordinates.position[axis]) - by_hand[axis]
-              for axis in range(len(run.end))]  # fmt: skip
-    known = set(measured) & set(run.axes)
-    rotation = x.coordinates.rotation
-    if rotation is not None and known & set(rotation.plane):
-        missing = set(rotation.plane) - known
+def _note_point(x: Execution, run: Run, found: Mapping[int, float], by_hand: list[float]) -> None:
+    """The measured point in the active system, as it would be programmed, and seen from the target; `found`: axis → machine
+    coordinate. Axes that turn with each other count together: all of them have a value, or none."""
+    setup, c, state = x.setup.measuring, x.coordinates, x.measuring
+    start, end = c.machine(run.start), c.machine(run.end)
+    known = set(found)
+    together = _together(x)
+    if known & together:
+        missing = together - known
         if setup.command_counts:
-            missing = {axis for axis in missing if abs(run.end[axis] - run.start[axis]) > NO_WAY}
-        for axis in missing:
+            missing = {axis for axis in missing if abs(end[axis] - start[axis]) > NO_WAY}
+        for axis in sorted(missing):
             x.warn(catalogue.NO_PCS_VALUE, run.column, axis=x.setup.axes[axis])
-        known = known - set(rotation.plane) if missing else known | set(rotation.plane)
+        known = known - together if missing else known | together
+    machine = [found.get(axis, end[axis]) for axis in range(len(end))]
+    with_hand = c.of_machine(machine)
+    point = c.of_machine([place - by_hand[axis] for axis, place in enumerate(machine)])
     if setup.includes_ball and x.tools.radius:
         way = [run.end[axis] - run.start[axis] for axis in range(min(MAIN_AXES, len(run.end)))]
         length = math.hypot(*way)
         if length > NO_WAY:
             for axis, part in enumerate(way):
-                places[axis] += x.tools.radius * part / length
-    return {axis: place for axis, place in enumerate(x.coordinates.programmed_of(places)) if axis in known}
+                point[axis] += x.tools.radius * part / length
+    programmed = c.programmed_of(point)
+    for axis in known:
+        state.programmed[axis] = programmed[axis]
+    for axis in known if c.frame is not None else set(found):
+        below = c.lower[axis] if axis < MAIN_AXES else 0.0
+        state.values[axis] = Measured(with_hand[axis] - below, with_hand[axis] - run.end[axis])
+        (state.turned.add if c.frame is not None and axis < MAIN_AXES else state.turned.discard)(axis)
+
+
+def _together(x: Execution) -> set[int]:
+    """Axes of which a programmed coordinate needs the machine coordinates of all."""
+    if x.coordinates.frame is not None:
+        return set(range(MAIN_AXES))
+    return set() if x.coordinates.rotation is None else set(x.coordinates.rotation.plane)

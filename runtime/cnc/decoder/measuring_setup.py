@@ -54,6 +54,7 @@ class MeasuringChannel:
     may_be_deflected: bool = False  # P-CHAN-00312
     error_no_way: bool = True  # P-CHAN-00313
     command_counts: bool = False  # P-CHAN-00440
+    all_axes: bool = False  # P-CHAN-00327
 
     @classmethod
     def of(cls, machine: Machine, axes: list[Axis], parameters: ChannelParameters) -> MeasuringChannel:
@@ -70,4 +71,5 @@ class MeasuringChannel:
             parameters.meas_allow_actuated_probe,
             parameters.meas_error_no_move_path,
             parameters.meas_trafo_with_cmd_pos,
+            parameters.meas_all_axes,
         )

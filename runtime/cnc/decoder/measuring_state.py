@@ -9,16 +9,15 @@ from runtime.cnc.decoder.measuring_setup import AxisProbe
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """A value of an axis: machine coordinate, the same in the active system, the difference to the target; mm or degrees."""
+    """Of an axis: the measured coordinate in the active system, and minus the target; mm or degrees."""
 
-    place: float
     in_system: float
     offset: float
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A measuring run whose end the decoder waits for: its axes, where it begins and leads to in machine coordinates."""
+    """A measuring run whose end the decoder waits for: its axes, where it begins and leads to, as the decoder counts."""
 
     axes: tuple[int, ...]
     start: list[float]
@@ -39,6 +38,8 @@ class MeasuringState:
     pending: Run | None = None
     values: dict[int, Measured] = field(default_factory=dict)
     programmed: dict[int, float] = field(default_factory=dict)  # measured points as they would be programmed
+    places: dict[int, float] = field(default_factory=dict)  # measured machine coordinates
+    turned: set[int] = field(default_factory=set)  # axes whose values are those of a rotated coordinate system
     done: set[int] = field(default_factory=set)  # axes of V.A.MERF
     included: dict[int, float] = field(default_factory=dict)  # G101: what was taken into the coordinates, mm or degrees
 

@@ -351,6 +351,7 @@ class ChannelParameters(Model):
     meas_allow_actuated_probe: bool = False  # P-CHAN-00312, a deflected probe ends a run at once
     meas_error_no_move_path: bool = True  # P-CHAN-00313, a run without way is an error
     meas_trafo_with_cmd_pos: bool = False  # P-CHAN-00440, axes that rest count where they stand
+    meas_all_axes: bool = False  # P-CHAN-00327, in a coordinate system every axis that can measures
     mode_exact_stop_indp_axis: int = 0  # P-CHAN-00297: 1 at G60, 2 at #WAIT INDP
     mode_implicite_sync_indp_asyn_axis: int = 0  # P-CHAN-00451: 1 where the axis is named, 0 where it is moved
     modal_i_j_k_for_circle: bool = False  # P-CHAN-00159, they hold for the circles behind

@@ -96,12 +96,17 @@ NO_OFFSET = _entry(
     "leave the axis out of G102",
     "programming manual line 3661",
 )
+TURNED = _entry(
+    314016,
+    "axis {axis} was measured in a rotated coordinate system: its offset is none of an axis of the machine",
+    "take the measured values into the program instead (V.A.MEAS.PCS.VALUE)",
+)
 NO_PCS_VALUE = ErrorEntry(
     314015,
     "axis {axis} has no measured value, so the measured point in programmed coordinates is not known",
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
-    remedy="measure both axes of the rotated plane, or see P-CHAN-00440",
+    remedy="measure all axes of the rotated plane or system, or see P-CHAN-00440",
     source="channel parameters line 8531",
 )
 NO_SIGNAL = _running(

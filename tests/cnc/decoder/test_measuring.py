@@ -110,7 +110,7 @@ def test_the_program_goes_on_where_the_path_stands() -> None:
     assert last is not None
 
 
-@pytest.mark.spec("isg.var.a-measuring")
+@pytest.mark.spec("chan.meas.values", "isg.var.a-measuring")
 def test_only_the_axes_of_the_block_are_updated_and_offsets_are_left_out_of_the_programmed_value() -> None:
     machine = Probed([[98.5, 0, 0], [98.5, 31, 0]], [{0: 98.0}, {0: 98.0, 1: 30.0}])
     run = decode(
@@ -123,6 +123,7 @@ def test_only_the_axes_of_the_block_are_updated_and_offsets_are_left_out_of_the_
     assert run.parameters == {1: 98, 2: -2, 3: 48, 4: 98, 5: 1, 6: 30, 7: 30, 8: 1, 9: 0}
 
 
+@pytest.mark.spec("chan.meas.values")
 @pytest.mark.parametrize(("includes", "expected"), [(True, (8.0 + 1.5, 6.0 + 2.0)), (False, (8.0, 6.0))])
 def test_the_ball_lies_in_the_direction_of_the_run(includes: bool, expected: tuple[float, float]) -> None:
     """A run along (3, 4): a ball of radius 2.5 adds (1.5, 2)."""
@@ -139,6 +140,7 @@ def test_the_ball_lies_in_the_direction_of_the_run(includes: bool, expected: tup
     assert run.parameters[3] == 8.0
 
 
+@pytest.mark.spec("chan.meas.values")
 @pytest.mark.parametrize(
     ("found", "command", "programmed"),
     [
@@ -353,8 +355,8 @@ def test_a_check_without_machine_takes_the_run_to_its_target() -> None:
     assert run.parameters == {1: 20, 2: 1, 3: 0}
 
 
-@pytest.mark.spec("isg.var.a-measuring")
-def test_a_shifted_coordinate_system_counts_in_mess_and_a_rotated_one_is_refused() -> None:
+@pytest.mark.spec("isg.var.a-measuring", "chan.meas.values")
+def test_a_shifted_coordinate_system_counts_in_mess() -> None:
     run = decode(
         "G90 G01 F100\n#CS ON [7,0,0,0,0,0]\nG100 X20\n"
         "P1=V.A.MESS.X P2=V.A.MEAS.ACS.VALUE.X P3=V.A.MEAS.PCS.VALUE.X P4=V.A.MOFFS.X\nM30",
@@ -363,4 +365,42 @@ def test_a_shifted_coordinate_system_counts_in_mess_and_a_rotated_one_is_refused
     )
     assert run.problem is None
     assert run.parameters == {1: 18, 2: 25, 3: 18, 4: -2}
-    assert refused("#CS ON [0,0,0,0,0,30]\nG100 X5") is errors.BARRED
+
+
+@pytest.mark.spec("chan.meas.values")
+@pytest.mark.parametrize(
+    ("found", "complete"), [({0: -2.0, 1: 18.0, 2: 5.0}, True), ({0: -2.0, 1: 18.0}, False), ({2: 5.0}, False)]
+)
+def test_in_a_rotated_coordinate_system_the_main_axes_measure_together(found: dict[int, float], complete: bool) -> None:
+    """Turned by 90 degrees about Z: programmed X is machine Y, programmed Y machine -X. The system lies at Z5."""
+    run = decode(
+        "G90 G01 F100\nG92 X1\n#CS ON [0,0,5,0,0,90]\nX0 Y0 Z0\nG100 X20\n"
+        "P1=V.A.MEAS.PCS.VALUE.X P2=V.A.MEAS.PCS.VALUE.Y P3=V.A.MOFFS.X P4=V.A.MEAS.ACS.VALUE.Y P5=V.A.MERF.Y\n"
+        "P6=V.A.ABS.Y\nG101 X1\nM30",
+        setup(DRIVE, DRIVE, DRIVE),
+        outside=Probed([[0.0, 19.0, 5.0]], [found]),
+    )
+    (measurement,) = of(Measurement, run.blocks)
+    assert [probe.axis for probe in measurement.probes] == [0, 1, 2]
+    assert run.problem is not None
+    assert run.problem.entry is (errors.TURNED if complete else errors.NOT_MEASURED)
+    warned = [warning.entry for warning in run.decoder.warnings].count(errors.NO_PCS_VALUE)
+    p = run.parameters
+    assert p[4] == found.get(1, 0.0)
+    assert p[5] == float(1 in found)
+    if not complete:
+        assert warned == 1
+        assert (p[1], p[2], p[3]) == (0.0, 0.0, 0.0)
+        return
+    assert warned == 0
+    assert (p[1], p[2], p[3]) == pytest.approx((18.0, 3.0, -2.0))  # G92 X1 lies below the system: its origin is X1
+
+
+@pytest.mark.spec("chan.meas.values")
+def test_in_a_coordinate_system_every_axis_may_measure_with_those_of_the_block() -> None:
+    text = "G90 G01 F100\n#CS ON [7,0,0,0,0,0]\nG100 X20\nM30"
+    for every, axes_of_run in ((True, [0, 1]), (False, [0])):
+        run = decode(text, setup(DRIVE, DRIVE, all_axes=every))
+        assert [probe.axis for probe in of(Measurement, run.blocks)[0].probes] == axes_of_run
+    plain = decode("G90 G01 F100\nG100 X20\nM30", setup(DRIVE, DRIVE, all_axes=True))
+    assert [probe.axis for probe in of(Measurement, plain.blocks)[0].probes] == [0]

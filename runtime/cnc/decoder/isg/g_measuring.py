@@ -42,6 +42,8 @@ def include(x: Execution, call: GCall) -> None:
     for axis in factors:
         if axis not in state.values:
             raise LineError(catalogue.NOT_MEASURED, call.column, axis=x.setup.axes[axis])
+        if axis in state.turned:
+            raise LineError(catalogue.TURNED, call.column, axis=x.setup.axes[axis])
     measuring = offsets.measuring.copy()
     for axis, factor in factors.items():
         state.included[axis] = measuring[axis] = factor * state.values[axis].offset

@@ -171,8 +171,8 @@ def measured_value(x: Execution, axis: int) -> float:
 
 @variable("V.A.MEAS.ACS.VALUE.<axis>", _VALUES, "measured value of the axis with all offsets, 0 without", unit=_LENGTH)
 def measured_of_axis(x: Execution, axis: int) -> float:
-    value = x.measuring.values.get(axis)
-    return 0.0 if value is None else x.shown(axis, x.counted(axis, value.place))
+    place = x.measuring.places.get(axis)
+    return 0.0 if place is None else x.shown(axis, x.counted(axis, place))
 
 
 @variable(
