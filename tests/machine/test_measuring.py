@@ -407,6 +407,23 @@ def test_a_run_in_a_rotated_coordinate_system(demo: Machine, tmp_path: Path) -> 
     assert float(driven.image.target_position[X]) == pytest.approx(5.0 * np.cos(np.radians(30.0)), abs=1e-6)
 
 
+@pytest.mark.spec("isg.g.measure-interrupt-g310")
+@pytest.mark.parametrize("rapid", [True, False])
+def test_g310_leads_to_its_label_where_the_signal_came(make: Make, rapid: bool) -> None:
+    driven = make(parameters={"messtyp": 5})
+    word = "G00" if rapid else "G01 F3000"
+    driven.start(
+        f"%JUMP\nN10 G90 G310 {word} X100 $GOTO[HIT]\nN20 G00 Y50\n$GOTO[OVER]\nN30 [HIT] P1=V.A.MESS.X\nG00 Y5\n"
+        "N40 [OVER] M30\n"
+    )
+    driven.until_done()
+    assert driven.alarms == []
+    assert variables(driven) == {1: pytest.approx(EDGE, abs=1e-3)}
+    assert float(driven.image.target_position[1]) == pytest.approx(5.0)
+    assert EDGE < float(driven.image.target_position[X]) < 60.0
+    driven.assert_brakes_within_limits([X])
+
+
 def test_a_job_of_the_plc_and_a_run_do_not_share_a_probe(make: Make) -> None:
     driven = make()
     driven.image.probe_function[X] = 0x11  # as a job that waits

@@ -210,7 +210,11 @@ class WordBlocks:
         brakes = x.brake_in_front and x.dynamics.late_braking  # G09 for this block only
         if brakes:
             x.emit(DynamicsChange(x.source, replace(x.dynamics, late_braking=False)))
-        motion = self._motion(block, values)
+        jump = None
+        if block.goto is not None:
+            source = entry if frame is not None else -1
+            jump = partial(self._flow.jump, x.frames[-1], source, block, block.goto, values)
+        motion = self._motion(block, values, jump)
         if brakes:
             x.emit(DynamicsChange(x.source, x.dynamics))
         x.stop_exactly(motion and block.dwell < 0)
@@ -232,18 +236,18 @@ class WordBlocks:
             if x.compensation.active or x.modal.contouring or x.smoothing.spline_on or x.smoothing.hsc_on:
                 raise LineError(technology.FLUSH_BARRED, block.column(WordKind.M))
             x.emit(Flush(x.source, FlushKind.WAIT))
-        if block.goto is not None:  # a call in the same block is executed before the program goes on there
-            self._flow.jump(x.frames[-1], entry if frame is not None else -1, block, block.goto, values)
+        if jump is not None and not x.measuring.interrupts_column:  # that of G310 comes when its run is over
+            jump()  # a call in the same block is executed before the program goes on there
         for _, _, action in actions:
             action()
         if not actions and block.goto is None and (block.words or block.macros):
             cycles.after_block(x, motion)
 
-    def _motion(self, block: CompiledBlock, values: Values) -> bool:
-        """The motion of the block; whether there is any."""
+    def _motion(self, block: CompiledBlock, values: Values, jump: Callable[[], None] | None) -> bool:
+        """The motion of the block; whether there is any. `jump`: of its `$GOTO`."""
         x = self._x
         if x.measuring.column or x.measuring.through_column:
-            return measure(x, block)
+            return measure(x, block, jump)
         if block.dwell >= 0:
             additions.expect_no_line(x)
             dwell(x, block, values)

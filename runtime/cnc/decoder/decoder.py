@@ -215,7 +215,7 @@ class Decoder:
                         return
                 elif x.measuring.pending is not None:
                     yield from self._handed_over()
-                    take_values(x)
+                    self._jump(unit, block, take_values(x))
                 elif x.out and not unit.corner_follows(entry, frame.section):
                     yield from self._handed_over()
         except ProgramError:
@@ -277,6 +277,15 @@ class Decoder:
             additions.expect_no_line(x)
         except GeometryError as error:
             raise ProgramError(error.entry, unit.place(*x.place(1)), **error.values) from None
+
+    def _jump(self, unit: Unit, block: CompiledBlock, jump: Callable[[], None] | None) -> None:
+        """What a block does when its run is over."""
+        if jump is None:
+            return
+        try:
+            jump()
+        except LineError as error:
+            raise self._error(unit, error.column, block, error.entry, error.values) from None
 
     def _tell_fault(self, unit: Unit, entry: int) -> None:
         fault = unit.faults.get(entry)

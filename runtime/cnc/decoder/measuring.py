@@ -7,7 +7,7 @@ What was measured is kept in machine coordinates, with the programmed ones as th
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +31,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
 from runtime.cnc.decoder.independent import wait_for
 from runtime.cnc.decoder.measuring_state import Measured, Run
-from runtime.cnc.decoder.modal import PLANE_AXES
+from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.decoder.motion import pcs_gain, programmed_at, target
 from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.dynamic_settings import DynamicSettings, HoldUse
@@ -42,11 +42,13 @@ from runtime.diagnostics.catalogue import measuring as catalogue
 
 MAIN_AXES = 3
 NO_WAY = 1e-6  # mm or degrees
+_STRAIGHT = (Motion.RAPID, Motion.LINEAR)
 TYPES = (1, 2, 3, 4)  # that G100 measures with
+INTERRUPTING = 5  # type of G310
 
 
-def measure(x: Execution, block: CompiledBlock) -> bool:
-    """The measuring run of the block; whether anything moves. Raises LineError."""
+def measure(x: Execution, block: CompiledBlock, jump: Callable[[], None] | None = None) -> bool:
+    """The measuring run of the block; whether anything moves. `jump`: what G310 does behind a signal. Raises LineError."""
     state, column = x.measuring, x.measuring.column
     _expect_possible(x, block, column)
     axes = _axes_of(x, block)
@@ -58,7 +60,8 @@ def measure(x: Execution, block: CompiledBlock) -> bool:
         if x.setup.measuring.error_no_way:
             raise LineError(catalogue.NO_WAY, column)
         return False
-    feed = _feed(x, block, start, end)
+    rapid = bool(state.interrupts_column) and x.modal.motion is Motion.RAPID
+    feed = math.inf if rapid else _feed(x, block, start, end)
     limited, driven = _within_limits(x, start, end) if x.setup.measuring.within_limits else (False, end)
     if all(abs(e - s) <= NO_WAY for s, e in zip(start, driven, strict=True)):
         raise LineError(catalogue.LIMIT_WITHOUT_SIGNAL, column)
@@ -83,7 +86,7 @@ def measure(x: Execution, block: CompiledBlock) -> bool:
             np.array(start),
             np.array(driven),
             feed,
-            False,
+            rapid,
             np.array(programmed_at(x, driven)),
             PLANE_AXES[x.modal.plane],
             None,
@@ -96,7 +99,7 @@ def measure(x: Execution, block: CompiledBlock) -> bool:
     if settings != usual:
         x.emit(DynamicsChange(x.source, usual))
     x.coordinates.moved(driven)
-    state.pending = Run(axes, start, end, column)
+    state.pending = Run(axes, start, end, column, bool(state.interrupts_column), jump)
     return True
 
 
@@ -110,14 +113,14 @@ def wait_for_values(x: Execution) -> None:
     x.emit(Flush(x.source, FlushKind.WAIT))
 
 
-def take_values(x: Execution) -> None:
-    """The path stands at the end of the run: the decoder counts from there."""
+def take_values(x: Execution) -> Callable[[], None] | None:
+    """The path stands at the end of the run: the decoder counts from there. The jump that is to be made, None without."""
     state = x.measuring
     run, state.pending = state.pending, None
     assert run is not None
     measured, position = x.outside.measured(), x.outside.command_position()
     if position is None or measured is None:  # without a machine a run ends at its target
-        measured = dict(enumerate(x.coordinates.machine(run.end)))
+        measured = {} if run.interrupts else dict(enumerate(x.coordinates.machine(run.end)))
     else:
         x.coordinates.moved_to([float(p) for p in position])
         x.emit(PathRestart(x.source))
@@ -128,6 +131,7 @@ def take_values(x: Execution) -> None:
     for axis, place in found.items():
         state.places[axis] = place
         state.done.add(axis)
+    return run.jump if found else None
 
 
 # ---------------------------------------------------------------------------------------------------- what may be measured
@@ -135,7 +139,7 @@ def take_values(x: Execution) -> None:
 
 def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
     """LineError for what no measuring run goes with."""
-    expect_none(x, "G100", column)
+    expect_none(x, "G310" if x.measuring.interrupts_column else "G100", column)
     smoothing = x.smoothing
     for active, what in (
         (x.modal.contouring, "polynomial contouring"),
@@ -153,6 +157,7 @@ def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
         (x.feed_change is not None, "a linear feed change"),
         (x.end_feed is not None, "E"),
         (bool(x.axes_taken), "a function with axis words as arguments"),
+        (bool(x.measuring.interrupts_column) and x.modal.motion not in _STRAIGHT, "a circle"),
     ):
         if given:
             raise LineError(catalogue.BESIDE, column, what=what)
@@ -180,7 +185,7 @@ def _axes_of(x: Execution, block: CompiledBlock) -> tuple[int, ...]:
 
 def _probes_of(x: Execution, block: CompiledBlock, axes: tuple[int, ...]) -> tuple[Probe, ...]:
     state, column = x.measuring, x.measuring.column
-    if state.type not in TYPES:
+    if state.type not in ((INTERRUPTING,) if state.interrupts_column else TYPES):
         raise LineError(catalogue.TYPE_UNSUPPORTED, column, value=state.type)
     if state.through_column and state.type != 3:
         raise LineError(catalogue.G106_ALONE, state.through_column)
@@ -202,6 +207,8 @@ def _probes_of(x: Execution, block: CompiledBlock, axes: tuple[int, ...]) -> tup
 
 def _signal_needed(x: Execution) -> bool:
     state = x.measuring
+    if state.interrupts_column:
+        return False  # without a signal the next block follows
     if state.signal_needed is not None:
         return state.signal_needed or state.type == 2
     return state.type == 2 or x.setup.measuring.error_no_signal

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from runtime.cnc.decoder.measuring_setup import AxisProbe
@@ -23,18 +24,21 @@ class Run:
     start: list[float]
     end: list[float]
     column: int
+    interrupts: bool = False  # G310
+    jump: Callable[[], None] | None = None  # of G310: where the program goes on behind a signal
 
 
 @dataclass(slots=True)
 class MeasuringState:
-    """What holds for the measuring blocks of a program, and what they have found. `column` and `through_column`: of G100 and G106
-    in the block in work, 0 without."""
+    """What holds for the measuring blocks of a program, and what they have found. Columns in the block in work, 0 without:
+    `column` of G100 or G310, `through_column` of G106, `interrupts_column` of G310."""
 
     type: int
     probes: list[AxisProbe | None]
     signal_needed: bool | None = None  # ERR_NO_SIGNAL, None: as the channel is configured
     column: int = 0
     through_column: int = 0
+    interrupts_column: int = 0
     pending: Run | None = None
     values: dict[int, Measured] = field(default_factory=dict)
     programmed: dict[int, float] = field(default_factory=dict)  # measured points as they would be programmed
@@ -44,4 +48,4 @@ class MeasuringState:
     included: dict[int, float] = field(default_factory=dict)  # G101: what was taken into the coordinates, mm or degrees
 
     def begin_block(self) -> None:
-        self.column = self.through_column = 0
+        self.column = self.through_column = self.interrupts_column = 0

@@ -59,7 +59,11 @@ MAIN_AXES_ONLY = _entry(
     "programming manual line 3494",
 )
 TYPE_UNKNOWN = _entry(314006, "{value:g} is no type of measuring", "1 to 7", "programming manual line 3240")
-TYPE_UNSUPPORTED = _entry(314007, "measuring type {value} is not available in this version", "types 1, 2, 3 and 4 are")
+TYPE_UNSUPPORTED = _entry(
+    314007,
+    "measuring type {value} is none of this block",
+    "types 1, 2, 3 and 4 are those of G100, type 5 is that of G310; others are not available in this version",
+)
 FEED_MISSING = _entry(
     314008,
     "axis {axis} has no measuring feed, which type 2 needs",

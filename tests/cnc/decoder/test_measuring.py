@@ -404,3 +404,63 @@ def test_in_a_coordinate_system_every_axis_may_measure_with_those_of_the_block()
         assert [probe.axis for probe in of(Measurement, run.blocks)[0].probes] == axes_of_run
     plain = decode("G90 G01 F100\nG100 X20\nM30", setup(DRIVE, DRIVE, all_axes=True))
     assert [probe.axis for probe in of(Measurement, plain.blocks)[0].probes] == [0]
+
+
+# ---------------------------------------------------------------------------------------------------- G310
+
+INTERRUPTED = (
+    "N10 G00 G90 X0 Y0\nN20 G310 G01 F100 X100 Y90 $GOTO[N_LABEL]\nN30 G01 X50\nN40 $GOTO[ENDE]\nN50 [N_LABEL] X1 Y1\n"
+    "N60 [ENDE] M30"
+)
+
+
+@pytest.mark.spec("isg.g.measure-interrupt-g310")
+def test_a_signal_ends_the_motion_and_leads_to_the_label() -> None:
+    text = INTERRUPTED
+    hit = decode(text, setup(DRIVE, DRIVE, type=5), outside=Probed([[30.5, 27.45, 0]], [{0: 30.0, 1: 27.0}]))
+    assert hit.problem is None
+    assert hit.ends[-2:] == [[100, 90, 0], [1, 1, 0]]
+    (measurement,) = of(Measurement, hit.blocks)
+    assert not measurement.signal_needed
+    missed = decode(text, setup(DRIVE, DRIVE, type=5), outside=Probed([[100, 90, 0]], [{}]))
+    assert missed.problem is None
+    assert missed.ends[-2:] == [[100, 90, 0], [50, 90, 0]]
+    checked = decode(text, setup(DRIVE, DRIVE, type=5, error_no_signal=True))
+    assert checked.problem is None
+    assert checked.ends[-1] == [50, 90, 0]
+
+
+@pytest.mark.spec("isg.g.measure-interrupt-g310")
+def test_without_a_label_the_next_block_follows_where_the_axes_stand() -> None:
+    machine = Probed([[30.5, 0, 0]], [{0: 30.0}])
+    run = decode("G90 G00 X1\nG310 X100\nP1=V.A.MESS.X P2=V.A.ABS.X\nY5\nM30", setup(DRIVE, type=5), outside=machine)
+    assert run.problem is None
+    assert run.parameters == {1: 30.0, 2: 30.5}
+    assert run.ends[-1] == [30.5, 5, 0]
+    assert all(line.rapid for line in of(Line, run.blocks))
+
+
+@pytest.mark.spec("isg.g.measure-interrupt-g310")
+@pytest.mark.parametrize(
+    ("text", "entry"),
+    [
+        ("G310 X10", None),
+        ("G100 X10", errors.TYPE_UNSUPPORTED),
+        ("#MEAS MODE[1]\nG310 X10", errors.TYPE_UNSUPPORTED),
+        ("#MEAS MODE[6]", errors.TYPE_UNSUPPORTED),
+        ("G310 G02 X10 Y10", errors.BESIDE),
+        ("G310 Z10", errors.NOT_MEASURING),
+        ("G41\nX5\nG310 X10", radius.FORBIDDEN),
+        ("G310 G106 X10", errors.G106_ALONE),
+    ],
+)
+def test_what_g310_takes(text: str, entry: ErrorEntry | None) -> None:
+    assert refused(text, type=5) is entry
+
+
+@pytest.mark.spec("isg.g.measure-interrupt-g310")
+def test_a_label_that_is_not_there_is_told_at_its_block() -> None:
+    machine = Probed([[3.5, 0, 0]], [{0: 3.0}])
+    run = decode("G90 G01 F100\nG310 X9 $GOTO[NOWHERE]\nM30", setup(DRIVE, type=5), outside=machine)
+    assert run.problem is not None
+    assert (run.problem.entry, run.problem.place.line) == (language.LABEL_MISSING, 2)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from runtime.cnc.decoder.setup import GRADIAN, DecoderSetup
+from runtime.config.loader import parse_machine
 from runtime.diagnostics.catalogue import language as catalogue
 from tests.cnc.decoder.programs import SETUP, Run, decode, found
-from tests.config.machines import MACHINE, parameters_of, parse_machine, with_parameters
+from tests.config.machines import MACHINE, parameters_of, with_parameters
 
 TURNING = replace(
     SETUP,
@@ -31,7 +32,8 @@ def test_programs_begin_in_the_unit_of_the_channel() -> None:
     inch = replace(TURNING, inch=True)
     run = good("P1=V.G.MASS_MM\nG90 G00 X1 C10\nP2=V.A.ABS.X P3=V.A.ABS.C\nG71\nX1\nG70\nX2 Y[0.5]\nG01 X3 F10", inch)
     assert run.parameters == {1: 1, 2: 1, 3: 10}
-    assert [(x, c) for x, _, c in run.ends] == [(25.4, 10), (1, 10), (50.8, 10), (pytest.approx(76.2), 10)]
+    assert [x for x, _, _ in run.ends] == pytest.approx([25.4, 1, 50.8, 76.2])
+    assert [c for _, _, c in run.ends] == [10] * 4
     assert run.ends[2][1] == pytest.approx(12.7)
     assert good("G90 G00 X1", TURNING).ends == [[1, 0, 0]]
 
@@ -45,7 +47,8 @@ def test_rotary_axes_in_gradians(plain: bool) -> None:
     run = good(
         f"P1=400\nG90 G00 X5 C{values[0]}\nC{values[1]}\nG91 C{values[2]} X1\nP2=V.A.ABS.C P3=V.A.PROG.C", gradians
     )
-    assert [(x, pytest.approx(c)) for x, _, c in run.ends] == [(5, 90), (5, 360), (6, 315)]
+    assert [x for x, _, _ in run.ends] == [5, 5, 6]
+    assert [c for _, _, c in run.ends] == pytest.approx([90, 360, 315])
     assert run.parameters == pytest.approx({1: 400, 2: 350, 3: 350})
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from runtime.config.loader import parse_machine
 from runtime.diagnostics.catalogue import configuration as errors
-from tests.config.machines import MACHINE, parse_machine, problems_of, with_parameters
+from tests.config.machines import MACHINE, problems_of, with_parameters
 
 _AXES = "{bezeichnung: X, log_achs_nr: 1}, {bezeichnung: Y, log_achs_nr: 2}"
 GROUP = f"gruppe: [{{bezeichnung: MILL, achs_anzahl: 2, achse: [{_AXES}]}}]"

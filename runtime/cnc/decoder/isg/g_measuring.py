@@ -26,6 +26,18 @@ def measuring_run(x: Execution, call: GCall) -> None:
     x.measuring.column = call.column
 
 
+@g_function(
+    310,
+    Group.MEASURING,
+    "isg.g.measure-interrupt-g310",
+    modal=False,
+    syntax="G310 [G00 | G01 F..] <axis>.. {<axis>..} [$GOTO[<label>]]",
+)
+def interruptible(x: Execution, call: GCall) -> None:
+    """A signal ends the motion of the block, and the program goes on at the label."""
+    x.measuring.column = x.measuring.interrupts_column = call.column
+
+
 @g_function(106, Group.MEASURING_THROUGH, "isg.g.measure-type3-g106", modal=False, syntax="G100 G106 <axis>..")
 def through(x: Execution, call: GCall) -> None:
     """It goes on to its target behind the signal."""

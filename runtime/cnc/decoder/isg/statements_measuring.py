@@ -32,7 +32,7 @@ _AXES = (Key("AX", KeyKind.AXIS, many=True), Key("AXNR", many=True))
 def _choose(x: Execution, value: float, column: int) -> None:
     if value != round_half_up(value) or not 1 <= value <= 8:
         raise LineError(catalogue.TYPE_UNKNOWN, column, value=value)
-    if value > 4:
+    if value > 5:
         raise LineError(catalogue.TYPE_UNSUPPORTED, column, value=round_half_up(value))
     x.measuring.type = round_half_up(value)
 
