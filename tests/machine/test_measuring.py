@@ -420,7 +420,9 @@ def test_g310_leads_to_its_label_where_the_signal_came(make: Make, rapid: bool) 
     assert driven.alarms == []
     assert variables(driven) == {1: pytest.approx(EDGE, abs=1e-3)}
     assert float(driven.image.target_position[1]) == pytest.approx(5.0)
-    assert EDGE < float(driven.image.target_position[X]) < 60.0
+    assert (
+        EDGE < float(driven.image.target_position[X]) < EDGE + 36.0
+    )  # from 24 m/min with 4 m/s² and 60 m/s³, and some cycles
     driven.assert_brakes_within_limits([X])
 
 
