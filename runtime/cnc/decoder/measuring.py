@@ -31,7 +31,7 @@ from runtime.cnc.decoder.execution import Execution
 from runtime.cnc.decoder.feed import feed_of, group_ratio, require_feed
 from runtime.cnc.decoder.independent import wait_for
 from runtime.cnc.decoder.measuring_state import Measured, Run
-from runtime.cnc.decoder.modal import PLANE_AXES, Motion
+from runtime.cnc.decoder.modal import PLANE_AXES, FeedMode, Motion
 from runtime.cnc.decoder.motion import pcs_gain, programmed_at, target
 from runtime.cnc.decoder.radius_compensation import expect_none
 from runtime.cnc.dynamic_settings import DynamicSettings, HoldUse
@@ -145,6 +145,8 @@ def _expect_possible(x: Execution, block: CompiledBlock, column: int) -> None:
         (x.modal.contouring, "polynomial contouring"),
         (smoothing.spline_on, "a spline"),
         (smoothing.hsc_on, "HSC"),
+        (x.modal.feed_mode is FeedMode.PER_REVOLUTION, "a feed per revolution (G95)"),
+        (x.modal.diameter, "diameter programming (G51)"),
     ):
         if active:
             raise LineError(catalogue.BARRED, column, what=what)

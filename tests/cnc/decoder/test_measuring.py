@@ -216,6 +216,7 @@ def test_the_type_is_chosen_and_goes_back_to_the_configured_one() -> None:
         ("G261\nG100 X10", errors.BARRED),
         ("#SPLINE ON\nG100 X10", errors.BARRED),
         ("#HSC ON\nG100 X10", errors.BARRED),
+        ("G95 F1 S100 M3\nG100 X10", errors.BARRED),
         ("G41\nX5\nG100 X10", radius.FORBIDDEN),
         ("G100 X10 I5", errors.BESIDE),
         ("G100 X10 #RND=2", errors.BESIDE),
