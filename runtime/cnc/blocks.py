@@ -19,6 +19,7 @@ from runtime.cnc.filter_settings import FilterSettings
 from runtime.cnc.geometry.axis_limits import AxisLimits
 from runtime.cnc.geometry.control_areas import ControlArea
 from runtime.cnc.geometry.frames import Frame
+from runtime.diagnostics.errors import ErrorEntry
 from runtime.hli.axis_jobs import Job
 
 Floats = npt.NDArray[np.float64]
@@ -412,6 +413,9 @@ class ControlAreaChange:
     source: Source
     areas: tuple[ControlArea, ...]
     tool: Floats
+    told: tuple[ErrorEntry, ErrorEntry] | None = (
+        None  # where a work space is left, a protection space entered; None: the usual
+    )
 
 
 @dataclass(frozen=True, slots=True)

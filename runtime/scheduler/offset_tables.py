@@ -44,6 +44,8 @@ def copied_offsets(machine: Machine, environment: Mapping[str, str]) -> MemoryOf
     try:
         channels = table.channels()
         work = {channel: table.work_offsets(channel) for channel in channels}
-        return MemoryOffsets(table.registers(), work, {channel: table.variables(channel) for channel in channels})
+        variables = {channel: table.variables(channel) for channel in channels}
+        boxes = {channel: box for channel in channels if (box := table.stroke_box(channel)) is not None}
+        return MemoryOffsets(table.registers(), work, variables, boxes)
     finally:
         table.close()

@@ -61,6 +61,7 @@ class ControlAreas:
 class _Watch:
     def __init__(self, change: ControlAreaChange) -> None:
         self._areas, self._tool = change.areas, change.tool
+        self._left, self._entered = change.told or (catalogue.SPACE_LEFT, catalogue.SPACE_ENTERED)
 
     def permitted(self, run: Polyline) -> int:
         """How many moves of a run come before one that is not permitted."""
@@ -88,7 +89,7 @@ class _Watch:
     def _expect(self, points: Floats, program: str, line: int) -> None:
         for area in self._areas:
             if area.first_violation(points - self._tool) >= 0:
-                entry = catalogue.SPACE_LEFT if area.work else catalogue.SPACE_ENTERED
+                entry = self._left if area.work else self._entered
                 raise PathError(entry, Place(program, line), number=area.number)
 
     def _expect_elsewhere(self, block: IndependentMotion | Homing | ManualMotion | CouplingChange) -> None:

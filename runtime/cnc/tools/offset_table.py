@@ -58,6 +58,15 @@ class WorkOffset(NamedTuple):
     described: float
 
 
+class StrokeBox(NamedTuple):
+    """The box of G22 in machine coordinates of the first three axes, mm; `outside`: that is forbidden, else the inside."""
+
+    active: bool
+    outside: bool
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+
+
 Registers = Mapping[tuple[str, int], Register]  # by "H" or "D" and number
 WorkOffsets = Mapping[tuple[int, str], WorkOffset]  # by data set and name of the axis
 
@@ -80,6 +89,12 @@ class OffsetTable(Protocol):
     def set_work_offset(self, channel: int, data_set: int, axis: str, offset: WorkOffset) -> None:
         """Enter the offset of an axis in a data set."""
 
+    def stroke_box(self, channel: int) -> StrokeBox | None:
+        """The box of the last G22, None as long as there was none."""
+
+    def set_stroke_box(self, channel: int, box: StrokeBox) -> None:
+        """Keep a box."""
+
     def variables(self, channel: int) -> Mapping[int, float]:
         """The common variables of programs that are kept, by number; vacant ones are not there."""
 
@@ -95,14 +110,22 @@ class MemoryOffsets:
         registers: Registers | None = None,
         work: Mapping[int, WorkOffsets] | None = None,
         variables: Mapping[int, Mapping[int, float]] | None = None,
+        boxes: Mapping[int, StrokeBox] | None = None,
     ) -> None:
+        self._boxes = dict(boxes or {})
         self._registers = dict(registers or {})
         self._variables = {channel: dict(values) for channel, values in (variables or {}).items()}
         self._work = {channel: dict(offsets) for channel, offsets in (work or {}).items()}
 
     def copy(self) -> MemoryOffsets:
         """A table of its own that holds the same."""
-        return MemoryOffsets(self._registers, self._work, self._variables)
+        return MemoryOffsets(self._registers, self._work, self._variables, self._boxes)
+
+    def stroke_box(self, channel: int) -> StrokeBox | None:
+        return self._boxes.get(channel)
+
+    def set_stroke_box(self, channel: int, box: StrokeBox) -> None:
+        self._boxes[channel] = box
 
     def register(self, kind: str, number: int) -> Register:
         return self._registers.get((kind, number), Register())
@@ -145,6 +168,7 @@ class SqliteOffsets:
             self._connection.execute(_REGISTERS)
             self._connection.execute(_WORK)
             self._connection.execute(_VARIABLES)
+            self._connection.execute(_BOXES)
             self._connection.execute(f"PRAGMA user_version = {SCHEMA}")
 
     def register(self, kind: str, number: int) -> Register:
@@ -190,9 +214,23 @@ class SqliteOffsets:
                     row = (channel, number, value)
                     self._connection.execute("INSERT OR REPLACE INTO variables VALUES (?, ?, ?)", row)
 
+    def stroke_box(self, channel: int) -> StrokeBox | None:
+        with self._told():
+            query = "SELECT active, outside, x0, y0, z0, x1, y1, z1 FROM boxes WHERE channel = ?"
+            row = self._connection.execute(query, (channel,)).fetchone()
+            if row is None:
+                return None
+            places = tuple(float(place) for place in row[2:])
+            return StrokeBox(bool(row[0]), bool(row[1]), places[:3], places[3:])
+
+    def set_stroke_box(self, channel: int, box: StrokeBox) -> None:
+        with self._told():
+            row = (channel, int(box.active), int(box.outside), *box.low, *box.high)
+            self._connection.execute("INSERT OR REPLACE INTO boxes VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", row)
+
     def channels(self) -> list[int]:
         """The channels of which something is kept."""
-        query = "SELECT channel FROM work UNION SELECT channel FROM variables"
+        query = "SELECT channel FROM work UNION SELECT channel FROM variables UNION SELECT channel FROM boxes"
         with self._told():
             return [int(row[0]) for row in self._connection.execute(query)]
 
@@ -230,6 +268,12 @@ class OffsetsOutOfReach:
     def set_work_offset(self, channel: int, data_set: int, axis: str, offset: WorkOffset) -> None:
         raise self._error
 
+    def stroke_box(self, channel: int) -> StrokeBox | None:
+        raise self._error
+
+    def set_stroke_box(self, channel: int, box: StrokeBox) -> None:
+        raise self._error
+
     def variables(self, channel: int) -> Mapping[int, float]:
         raise self._error
 
@@ -247,6 +291,9 @@ def _checked(register: Register) -> Register:
 _REGISTERS = """CREATE TABLE IF NOT EXISTS registers (
     kind TEXT NOT NULL CHECK (kind IN ('H', 'D')), number INTEGER NOT NULL, geometry REAL NOT NULL, wear REAL NOT NULL,
     PRIMARY KEY (kind, number))"""
+_BOXES = """CREATE TABLE IF NOT EXISTS boxes (
+    channel INTEGER PRIMARY KEY, active INTEGER NOT NULL, outside INTEGER NOT NULL, x0 REAL NOT NULL, y0 REAL NOT NULL,
+    z0 REAL NOT NULL, x1 REAL NOT NULL, y1 REAL NOT NULL, z1 REAL NOT NULL)"""
 _WORK = """CREATE TABLE IF NOT EXISTS work (
     channel INTEGER NOT NULL, data_set INTEGER NOT NULL, axis TEXT NOT NULL, value REAL NOT NULL, described REAL NOT NULL,
     PRIMARY KEY (channel, data_set, axis))"""

@@ -96,3 +96,34 @@ NOT_NESTED = ErrorEntry(
     322151, "{name} before {other}: what was switched on last is switched off first", remedy="program {other} before it"
 )
 PLANE_TURNED = ErrorEntry(322152, "the plane cannot change while G68 holds", remedy="program G69 before it")
+
+# -- stroke check --------------------------------------------------------------------------------------------------
+
+STROKE_INSIDE = ErrorEntry(
+    322301,
+    "1400 INTERNALLY FORBIDDEN AREA: the axes stand within the box of G22",
+    reaction=STOP,
+    remedy="switch the check off with G23, and move the axes out of it by hand",
+    source="NCT manual line 5995",
+)
+STROKE_OUTSIDE = ErrorEntry(
+    322302,
+    "FORBIDDEN AREA {axis}{sign}: the axes stand outside of the box of G22",
+    reaction=STOP,
+    remedy="move the axes back by hand, or switch the check off with G23",
+    source="NCT manual line 5998",
+)
+STROKE_ENTERED = ErrorEntry(
+    322303,
+    "3057 FORBIDDEN AREA: this block would come into the box of G22",
+    reaction=STOP,
+    remedy="lead the path around it",
+    source="NCT manual line 6045",
+)
+STROKE_LEFT = ErrorEntry(
+    322304,
+    "3057 FORBIDDEN AREA: this block would leave the box of G22",
+    reaction=STOP,
+    remedy="stay within it",
+    source="NCT manual line 6045",
+)

@@ -6,6 +6,7 @@ from runtime.cnc.blocks import VectorOrder
 from runtime.cnc.decoder.modal import PLANE_AXES, Motion
 from runtime.cnc.decoder.motion import PLANES
 from runtime.cnc.decoder.nct.execution import NctExecution
+from runtime.cnc.decoder.nct.g_offsets import expect_alone
 from runtime.cnc.decoder.nct.registers import register_value
 from runtime.cnc.decoder.nct.registry import GCall, Group, Stage, g_code, word
 from runtime.cnc.language.errors import LineError
@@ -119,9 +120,7 @@ def hold(x: NctExecution, call: GCall) -> None:
 def corner_arc(x: NctExecution, call: GCall) -> None:
     if not x.modal.compensation_side:
         raise LineError(catalogue.ARC_OUTSIDE, call.column)
-    if x.axis_words:
-        address = next(address for address in x.axis_of if address in x.words)
-        raise LineError(nct.WORD_WITHOUT_MEANING, x.words.place(address), address=address)
+    expect_alone(x, "GNIJK")
     direction = _direction(x, call)
     x.words.take("IJK")
     x.letters = {}

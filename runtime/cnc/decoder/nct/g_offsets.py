@@ -43,6 +43,15 @@ def rapid_to(x: NctExecution, end: list[float]) -> None:
     x.coordinates.moved(end)
 
 
+def expect_alone(x: NctExecution, addresses: str) -> None:
+    """LineError for a word beside a code that stands alone with these addresses, and for a second G code."""
+    codes = 0
+    for word, _ in x.words.all:
+        codes += word.address == "G"
+        if word.address not in addresses or codes > 1:
+            raise LineError(nct.WORD_WITHOUT_MEANING, word.column, address=word.address)
+
+
 def suspended(x: NctExecution) -> None:
     """The system changes: the vector of cutter compensation goes and comes again."""
     x.vectors.order(VectorOrder.SUSPEND, VectorOrder.RESUME)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from runtime.cnc.decoder.nct.execution import NctExecution
+from runtime.cnc.decoder.nct.g_stroke_check import begin_watch
 from runtime.cnc.decoder.nct.registry import G_CODES, tenths_of
 
 # In their order; the codes of the configuration (CODES) come first.
@@ -19,4 +20,5 @@ def begin_program(x: NctExecution) -> None:
             x.select(tenths)
     if x.memory.inch is not None:
         x.select(200 if x.memory.inch else 210)
+    begin_watch(x)
     x.modal_changed()
