@@ -19,6 +19,7 @@ from runtime.cnc.decoder.nct import codes  # noqa: F401 - registers the dialect
 from runtime.cnc.decoder.nct.block import WordBlocks
 from runtime.cnc.decoder.nct.corners import with_corners
 from runtime.cnc.decoder.nct.execution import NctExecution, OutOfStepError
+from runtime.cnc.decoder.nct.flow import SearchInterrupted
 from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.levels import Levels
 from runtime.cnc.decoder.nct.program import NctProgram
@@ -59,9 +60,10 @@ class NctDecoder:
         self.execution = self._x = x
         self._levels = Levels(x)
         self._words = WordBlocks(x)
-        self._interrupted = interrupted
+        self._interrupted = x.flow.interrupted = interrupted
         self._idle_limit = idle_limit
         self._idle = 0
+        self._in_order = not setup.nct.sbstm  # macro blocks wait for the motion before them
         self._ahead = False  # something was handed over since the path was where the decoder is
         section = program.unit.main
         x.stack.append(Frame(program.unit, section, section.begin, section.line))
@@ -131,7 +133,7 @@ class NctDecoder:
                         x.sequence_number = block.number
                     continue
                 x.in_step = repeating
-                if self._ahead and not x.setup.nct.sbstm and not repeating and x.macros.is_macro(block):
+                if self._ahead and self._in_order and not repeating and x.macros.is_macro(block):
                     yield from self._flushed(Source(frame.unit.name, line))
                     x.in_step = True
                 try:
@@ -154,6 +156,8 @@ class NctDecoder:
                 if x.out:
                     yield from self._handed_over()
             self._keep()
+        except SearchInterrupted:
+            return
         except ProgramError:
             yield from self._handed_over()
             raise

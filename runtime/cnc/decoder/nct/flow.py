@@ -30,7 +30,12 @@ if TYPE_CHECKING:
 
 LOOPS = (1, 2, 3)
 KEPT = 20_000  # results of searches
+LOOKED_AT = 4096  # blocks of a search between two questions whether to go on
 _LOOP = re.compile(r"(?<![A-Z])(DO|END)[ \t]*(\d+)")
+
+
+class SearchInterrupted(Exception):  # noqa: N818 - it is none: nobody wants the program any more
+    """A search through a long program was given up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +87,12 @@ def loop_words(text: str) -> list[tuple[str, int]]:
 
 
 class Flow:
-    """Of one execution. All calls raise LineError and CalculationError at the block in work."""
+    """Of one execution. All calls raise LineError and CalculationError at the block in work; SearchInterrupted when `interrupted`
+    says so."""
 
     def __init__(self, execution: NctExecution) -> None:
         self._x = execution
+        self.interrupted: Callable[[], bool] = lambda: False
         self._found: dict[tuple[int, int, str, int], _Found] = {}
 
     def execute(self, block: CompiledBlock) -> bool:
@@ -210,7 +217,9 @@ class Flow:
     def _first_block(
         self, blocks: Iterator[BlockText], wanted: Callable[[BlockText], bool], last: int | None = None
     ) -> BlockText | None:
-        for block in blocks:
+        for count, block in enumerate(blocks, 1):
+            if count % LOOKED_AT == 0 and self.interrupted():
+                raise SearchInterrupted
             if wanted(block):
                 return block
             if last is not None and block.offset >= last:

@@ -87,12 +87,13 @@ class MacroCalls:
     def __init__(self, execution: NctExecution, codes: UserCodes) -> None:
         self._x = execution
         self._codes = codes
+        self._has_codes = codes.any
         self._modal: list[ModalCall] = []  # of the level that the block in work belongs to
 
     @property
     def watches(self) -> bool:
         """A block may call something besides what its words say."""
-        return self._codes.any or bool(self._x.level.modal_calls)
+        return self._has_codes or bool(self._x.level.modal_calls)
 
     def is_macro(self, block: CompiledBlock) -> bool:
         """Whether a block is none of motion and functions: an assignment, a control statement, a macro call (line 7791). Within
@@ -141,7 +142,7 @@ class MacroCalls:
         """Before anything of a block of words is done. True: it is done with that, as it was a call."""
         x = self._x
         self._modal = modal = x.level.modal_calls
-        if self._codes.any and words.all and self._user_code(words):
+        if self._has_codes and words.all and self._user_code(words):
             return True
         if not modal or not modal[-1].every_block or not words.all or _acts_itself(words):
             return False

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+from runtime.cnc.decoder.dialects import load_program
+from runtime.cnc.decoder.nct.decoder import NctDecoder
+from runtime.cnc.decoder.nct.program import NctProgram
 from runtime.cnc.language.errors import ProgramErrors
 from runtime.cnc.language.nct.program_file import BlockText, Unit
 from runtime.diagnostics.catalogue import language, nct
 from runtime.diagnostics.catalogue import nct_macros as catalogue
 from runtime.diagnostics.errors import ErrorEntry
-from tests.cnc.decoder.nct.macro_programs import decode, values
+from tests.cnc.decoder.nct.macro_programs import SETUP, decode, values
 
 spec = pytest.mark.spec
 
@@ -144,6 +149,23 @@ def test_conditions_that_are_none(block: str, entry: ErrorEntry) -> None:
 
 def test_an_endless_loop_holds_nobody() -> None:
     assert decode("DO1\n#1=#1+1\nEND1\nM30").place[0] is language.ENDLESS_LOOP
+
+
+def test_a_search_through_a_long_program_can_be_interrupted(tmp_path: Path) -> None:
+    path = tmp_path / "long.nc"
+    path.write_text("GOTO99999\n" + "X1\n" * 100_000 + "N99999 M30\n")
+    program = load_program(path, SETUP, "nct")
+    asked: list[int] = []
+
+    def interrupted() -> bool:
+        asked.append(1)
+        return len(asked) == 3
+
+    assert isinstance(program, NctProgram)
+    decoder = NctDecoder(program, SETUP, start=np.zeros(3), interrupted=interrupted)
+    assert list(decoder.blocks()) == []
+    assert len(asked) == 3
+    program.close()
 
 
 def test_a_jump_that_is_executed_again_reads_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
