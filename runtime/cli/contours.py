@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from runtime.cnc.blocks import Arc, Block, Line, Polyline, RadiusCompensation, ToolRadius
+from runtime.cnc.blocks import (
+    Arc,
+    Block,
+    Line,
+    Polyline,
+    RadiusCompensation,
+    ToolRadius,
+    VectorCompensation,
+    VectorOrder,
+)
 from runtime.cnc.decoder import ChannelMemory, DecoderSetup, decoder_of, load_program
 from runtime.cnc.path_preparation import SoftwareLimits
 from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
@@ -90,6 +99,13 @@ class _Contours:
                 if block.side and block.plane == (0, 1) and not self._on:
                     self.contours.append(Contour(self._radius))
                 self._on = block.side != 0 and block.plane == (0, 1)
+            elif isinstance(block, VectorCompensation):
+                if block.order is VectorOrder.SELECT:
+                    on = block.active and block.plane == (0, 1)
+                    self._radius = abs(block.offset)
+                    if on and not self._on:
+                        self.contours.append(Contour(self._radius))
+                    self._on = on
             elif self._on:
                 for line, points in _lines(block):
                     contour = self.contours[-1]

@@ -42,6 +42,15 @@ def test_programmed_contour_and_tool_are_told(tmp_path: Path) -> None:
         assert nearest == pytest.approx(5.0, abs=0.1)
 
 
+def test_the_contour_of_an_nct_program(tmp_path: Path) -> None:
+    program = tmp_path / "O0001.nc"
+    program.write_text("%O0001\nG10 R5 L12 P1\nG0 X-10 Y-10\nG41 G1 X0 Y0 D1 F1500\nY40\nX60\nG40 X70 Y-12\nM30\n")
+    (contour,) = contours_of(program, load_machine(None), "nct")
+    assert contour.radius == 5.0
+    g54 = load_machine(None).channels[0].zero_offsets["G54"]
+    assert contour.programmed[1].tolist() == [[g54["X"], g54["Y"]], [g54["X"], g54["Y"] + 40]]
+
+
 def test_they_are_drawn(tmp_path: Path) -> None:
     import matplotlib as mpl
 

@@ -6,6 +6,7 @@ Behind the decoder nobody knows in which one a program is written.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, overload
 
@@ -19,6 +20,7 @@ from runtime.cnc.decoder.program import Program
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import ProgramError
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue import motion, nct_offsets
 from runtime.diagnostics.errors import Place, Problem
 
 DIALECTS = ("isg", "nct")
@@ -57,6 +59,13 @@ def look_through(
 ) -> Iterator[Problem]:
     """What is wrong with the blocks of a file, in the order of its lines, without executing any."""
     return (nct.look_through if dialect == "nct" else isg.look_through)(path, setup, progress)
+
+
+def told(program: AnyProgram, problem: Problem) -> Problem:
+    """A problem that was found behind the decoder, with the entry under which the dialect of the program tells it."""
+    if isinstance(program, NctProgram) and problem.entry is motion.SOFTWARE_LIMIT:
+        return replace(problem, entry=nct_offsets.LIMIT)
+    return problem
 
 
 def expect_dialect(dialect: str, file: str = "") -> None:

@@ -6,7 +6,7 @@ import re
 from contextlib import suppress
 from dataclasses import replace
 
-from runtime.cnc.decoder.dialects import AnyProgram
+from runtime.cnc.decoder.dialects import AnyProgram, told
 from runtime.cnc.language.errors import ProgramError
 from runtime.cnc.language.text import ProgramText
 from runtime.diagnostics.errors import Place, Problem
@@ -16,6 +16,7 @@ _COMMENT = re.compile(r"\([^)]*\)?")
 
 def located(program: AnyProgram, problem: Problem) -> Problem:
     """`problem` of a block with path, text and, if its values name an `axis`, the column of that axis' word."""
+    problem = told(program, problem)
     place = problem.place
     unit = next((unit for unit in program.units() if unit.name == place.file), None)
     if unit is None or not place.line or place.column:

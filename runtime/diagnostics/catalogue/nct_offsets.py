@@ -127,3 +127,10 @@ STROKE_LEFT = ErrorEntry(
     remedy="stay within it",
     source="NCT manual line 6045",
 )
+LIMIT = ErrorEntry(
+    322305,
+    "3056 LIMIT: {what} of axis {axis}, {position:.4f}, lies beyond {limit:.4f} ({limit_name})",
+    reaction=STOP,
+    remedy="correct the target or the work offset; the limits are those of the axis in the machine description",
+    source="NCT manual line 6043",
+)

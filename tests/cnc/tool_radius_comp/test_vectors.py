@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.cnc.blocks import (
@@ -25,7 +25,7 @@ from runtime.cnc.blocks import (
     VectorOrder,
     VectorSettings,
 )
-from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
+from runtime.cnc.tool_radius_comp import CompensationError, ToolRadiusCompensation
 from runtime.diagnostics.catalogue import nct_offsets as catalogue
 from tests.cnc.tool_radius_comp.paths import Path, compensate
 
@@ -77,6 +77,10 @@ class Contour:
         self.blocks.append(Arc(self._source(same), self._place, end, 1000.0, end.copy(), (0, 1), centre, radius, angle))
         self._place = end
         return self
+
+    @property
+    def place(self) -> tuple[float, float]:
+        return float(self._place[0]), float(self._place[1])
 
     def dwell(self) -> Contour:
         self.blocks.append(Dwell(self._source(), 1.0))
@@ -482,6 +486,82 @@ def test_vectors_that_are_near_to_each_other_become_one() -> None:
 
 
 @st.composite
+def contours(draw: st.DrawFn) -> tuple[Contour, tuple[float, float]]:
+    """Anything that a program can say between G41 and G40, and where it ends."""
+    repaired = draw(st.booleans())
+    settings = VectorSettings(draw(st.sampled_from([0.0, 0.5])), draw(st.booleans()), repaired)
+    contour = Contour(settings=settings)
+    place = st.tuples(st.integers(-40, 40), st.integers(-40, 40))
+    offsets = st.sampled_from([R, -R, 0.0, 2 * R, -1.0])
+    contour.select(draw(offsets)).to(*draw(place), same=draw(st.booleans()))
+    for _ in range(draw(st.integers(0, 10))):
+        x, y = contour.place
+        match draw(st.integers(0, 9)):
+            case 0 | 1 | 2:
+                contour.to(*draw(place))
+            case 3:
+                radius, turn = (
+                    draw(st.sampled_from([3.0, 8.0, 30.0])),
+                    draw(st.sampled_from([90.0, -90.0, 180.0, -360.0])),
+                )
+                begin = math.radians(draw(st.integers(0, 359)))
+                cx, cy = x - radius * math.cos(begin), y - radius * math.sin(begin)
+                end = begin + math.radians(turn)
+                contour.arc(cx + radius * math.cos(end), cy + radius * math.sin(end), cx, cy, turn)
+            case 4:
+                contour.dwell()
+            case 5:
+                contour.to(x, y, draw(st.integers(-5, 5)))
+            case 6:
+                contour.select(draw(offsets))
+            case 7:
+                contour.order(VectorOrder.HOLD).to(*draw(place))
+            case 8:
+                contour.order(VectorOrder.CORNER_ARC, draw(st.sampled_from([None, (3.0, -4.0)])))
+            case 9:
+                contour.order(VectorOrder.SUSPEND)
+                if draw(st.booleans()):
+                    contour.to(*draw(place))
+                contour.order(VectorOrder.RESUME)
+    contour.cancel().to(*draw(place), same=draw(st.booleans()))
+    if contour.blocks[-1].start is contour.blocks[-1].end:  # type: ignore[union-attr]
+        contour.to(100, 100)
+    contour.to(90, -90)
+    return contour, (90.0, -90.0)
+
+
+@settings(deadline=None, derandomize=True, max_examples=200)
+@given(contours())
+def test_whatever_is_programmed_the_path_is_continuous_and_comes_to_its_end(
+    drawn: tuple[Contour, tuple[float, float]],
+) -> None:
+    """Or an error of the catalogue tells why not, and what came before is continuous, too."""
+    contour, end = drawn
+    out: list[Block] = []
+    error = None
+    try:
+        for block in ToolRadiusCompensation()([*contour.blocks, Stop(Source("test", 99), StopKind.PROGRAM_END)]):
+            out.append(block)  # noqa: PERF402 - what came before an error counts
+    except CompensationError as told:
+        error = told.problem.entry
+    motions = [block for block in out if isinstance(block, Line | Arc)]
+    for one, other in pairwise(motions):
+        assert np.abs(other.start - one.end).max() < 1e-9
+    for arc in (motion for motion in motions if isinstance(motion, Arc)):
+        begin, goal = math.dist(arc.start[:2], arc.centre), math.dist(arc.end[:2], arc.centre)
+        assert abs(begin - goal) < 1.1e-3
+        phi, u = math.radians(arc.angle), arc.start[:2] - arc.centre
+        turned = np.array([u[0] * math.cos(phi) - u[1] * math.sin(phi), u[0] * math.sin(phi) + u[1] * math.cos(phi)])
+        assert np.linalg.norm(arc.centre + turned - arc.end[:2]) < 1.2e-3
+    if error is None:
+        assert tuple(motions[-1].end[:2]) == end
+        dwells = sum(isinstance(block, Dwell) for block in contour.blocks)
+        assert sum(isinstance(block, Dwell) for block in out) == dwells  # nothing is lost
+    else:
+        assert error in vars(catalogue).values()
+
+
+@st.composite
 def outlines(draw: st.DrawFn) -> list[tuple[float, float]]:
     """Corners of a polygon around zero, seen from there in order, far from each other: star-shaped, counter-clockwise."""
     count = draw(st.integers(3, 9))
@@ -499,6 +579,7 @@ def _distance(point: Iterable[float], outline: list[tuple[float, float]]) -> flo
     return least
 
 
+@settings(deadline=None, derandomize=True)
 @given(outlines(), st.floats(0.5, 8.0))
 def test_the_tool_never_comes_nearer_than_its_radius(outline: list[tuple[float, float]], radius: float) -> None:
     """Around the outside of a polygon, as long as nothing interferes."""

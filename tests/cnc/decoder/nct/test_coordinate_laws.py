@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.cnc.decoder import ChannelMemory
@@ -64,6 +64,7 @@ def programs(draw: st.DrawFn) -> list[str]:
     return blocks
 
 
+@settings(deadline=None, derandomize=True)
 @given(programs())
 def test_only_motions_move_and_numbers_mean_what_stands_there(blocks: list[str]) -> None:
     registers = {("H", 1): Register(20.0), ("H", 2): Register(-7.5), ("D", 1): Register(5.0)}
@@ -86,6 +87,7 @@ def test_only_motions_move_and_numbers_mean_what_stands_there(blocks: list[str])
         assert abs(there[axis] - c.position[axis]) < 1e-6
 
 
+@settings(deadline=None, derandomize=True)
 @given(programs(), st.lists(st.integers(-300, 300), min_size=4, max_size=4))
 def test_absolute_words_lead_to_their_numbers(blocks: list[str], target: list[int]) -> None:
     """Whatever came before: an absolute positioning of all axes is shown as it is programmed, and lies where the chain says."""

@@ -14,8 +14,10 @@ from runtime.cnc.path_preparation import ControlAreas
 from runtime.cnc.path_preparation.errors import PathError
 from runtime.cnc.tool_radius_comp import ToolRadiusCompensation
 from runtime.cnc.tools.offset_table import MemoryOffsets, Register, SqliteOffsets
+from runtime.config import load_machine
 from runtime.diagnostics.catalogue import nct, nct_offsets
 from runtime.diagnostics.errors import ErrorEntry
+from runtime.scheduler.simulation import Simulation
 from tests.cnc.decoder.nct.programs import SETUP, decode, found
 from tests.cnc.tool_radius_comp.paths import motions_of
 
@@ -131,3 +133,35 @@ def test_it_takes_the_vector_away_for_a_moment(change: str) -> None:
 
 def test_it_stands_alone() -> None:
     assert found("G0 X1\nG22 X9 Y9 Z9 I5 J5 K5 P0 F100")[0] is nct.WORD_WITHOUT_MEANING
+
+
+# ---------------------------------------------------------------------------------------------------- overtravel
+
+
+@pytest.mark.spec("nct.mon.overtravel-and-precheck")
+@pytest.mark.parametrize(
+    ("text", "entry", "line"),
+    [
+        ("G53 X0 Y0 Z0\nG0 X9999", nct_offsets.LIMIT, 2),
+        ("G53 X0 Y0 Z0\nG1 X1 F1000\nX1 Z-9999", nct_offsets.LIMIT, 3),
+        ("G53 X0 Y300 Z0\nG91 G2 X0 Y-100 J-50 F1000\nG0 Y1", nct_offsets.LIMIT, 0),  # its ends are free: permitted
+        ("G53 X0 Y0 Z0\nG22 X9 Y9 Z9 I5 J5 K5 P0\nG0 X7 Y7 Z7", nct_offsets.STROKE_ENTERED, 3),
+    ],
+)
+def test_a_block_that_leads_too_far_does_not_begin(text: str, entry: ErrorEntry, line: int, tmp_path: Path) -> None:
+    """Limits and the box are looked at before a block moves; both may hold at once."""
+    machine = load_machine(None)
+    channel = machine.channels[0].model_copy(update={"zero_offsets": {}})
+    machine = machine.model_copy(update={"channels": (channel,)})
+    program = tmp_path / "O0001.nc"
+    program.write_text(text + "\nM30\n")
+    simulation = Simulation(machine, ideal_axes=True, dialect="nct", plc=False)
+    result = simulation.run_program(program)
+    told = " ".join(result.problems)
+    if not line:
+        assert result.good, told
+        return
+    assert f":{line}:" in told
+    assert str(entry.id) in told
+    start = {"X": 1.0 if "X1 F" in text else 0.0, "Y": 0.0, "Z": 0.0}
+    assert {name: round(result.positions[name], 3) for name in "XYZ"} == start

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.cnc.decoder.nct.transformations import Scaled, Transformations, Turned
@@ -217,11 +217,13 @@ def chains(draw: st.DrawFn) -> Transformations:
     return made
 
 
+@settings(deadline=None, derandomize=True)
 @given(chains(), st.lists(coordinates, min_size=4, max_size=4))
 def test_source_undoes_image(chain: Transformations, point: list[float]) -> None:
     assert np.allclose(chain.source(chain.image(point)), point, atol=1e-6)
 
 
+@settings(deadline=None, derandomize=True)
 @given(chains(), st.lists(coordinates, min_size=4, max_size=4), st.lists(coordinates, min_size=4, max_size=4))
 def test_lengths_in_space_scale_alike_in_all_directions(chain: Transformations, a: list[float], b: list[float]) -> None:
     factor = 1.0 if chain.scaled is None else chain.scaled.factor
