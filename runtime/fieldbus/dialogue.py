@@ -19,7 +19,7 @@ from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry, Place
 from runtime.drives import DriveImage
 from runtime.fieldbus import cia402, exchange
-from runtime.fieldbus.dcf import Configuration, Entry
+from runtime.fieldbus.dcf import Configuration, Entry, read_configuration
 from runtime.fieldbus.drive_setup import drive_writes, needed_writes, parts
 from runtime.fieldbus.error_codes import abort_text
 from runtime.fieldbus.errors import FieldbusError
@@ -98,6 +98,16 @@ class Download:
 
     configuration: Configuration
     store: bool = False
+
+
+def downloads(machine: Machine, bus: str) -> dict[int, Download]:
+    """The configuration files of the nodes of a bus, by node id. Raises FieldbusError for one that cannot be used."""
+    drives = [axis.drive for axis in machine.axes if axis.drive is not None]
+    devices = [(drive.node, drive) for drive in drives]
+    devices += [(drive.gantry.node, drive) for drive in drives if drive.gantry is not None]
+    files = [(node, drive.dcf, drive.dcf_store) for node, drive in devices if (drive.bus or "") == bus]
+    files += [(io.node, io.dcf, io.dcf_store) for io in machine.fieldbus.io if (io.bus or "") == bus]
+    return {node: Download(read_configuration(dcf, node), store) for node, dcf, store in files if dcf is not None}
 
 
 class NodeDialogues:

@@ -24,28 +24,23 @@ import can
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue import fieldbus as catalogue
 from runtime.diagnostics.errors import ErrorEntry
-from runtime.drives import BusFigures, DriveEvent, DriveImage, DriveState
+from runtime.drives import DriveEvent, DriveImage, DriveState
 from runtime.fieldbus import wire
 from runtime.fieldbus.beat import Beat
 from runtime.fieldbus.boot import BootSequence
-from runtime.fieldbus.canopen_fd import CLASSIC, Heard
-from runtime.fieldbus.dcf import read_configuration
 from runtime.fieldbus.described import make_links
-from runtime.fieldbus.dialogue import SYNC, Download, NodeDialogues
+from runtime.fieldbus.dialogue import SYNC, NodeDialogues, downloads
 from runtime.fieldbus.errors import FieldbusError
+from runtime.fieldbus.frames import BUS_ERRORS, Frames
 from runtime.fieldbus.io_exchange import IoExchange
 from runtime.fieldbus.leaving import stop_all
 from runtime.fieldbus.links import DriveLink, IoLink, Links, Receiver
-from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient, as_fd, fill
+from runtime.fieldbus.network import PolledNetwork, PumpedSdoClient
 from runtime.fieldbus.node_watch import NodeWatch
 from runtime.fieldbus.outage import Outage
 from runtime.fieldbus.questions import Questions
 
-MAX_FRAMES_PER_READ: Final = 256  # what comes faster than this waits for the next cycle
-MAX_STALE_FRAMES: Final = 10_000
-LOAD_WINDOW: Final = 100  # cycles over which the bus load is taken
 HIGH_LOAD: Final = 0.9  # share of the bus, from which on a repeated frame makes a cycle late
-BUS_ERRORS: Final = (can.CanError, OSError, ValueError)  # ValueError: select() on a closed socket
 ERROR_FRAME_BUS_OFF: Final = 0x40  # SocketCAN: CAN_ERR_BUSOFF
 BOOT_UP: Final = 0
 DEVICE_TYPE_QUESTION: Final = bytes((0x40, 0x00, 0x10, 0, 0, 0, 0, 0))  # SDO upload of object 0x1000
@@ -82,19 +77,15 @@ class CanopenMaster:
         self.name = name
         self._machine = machine
         self._config = machine.fieldbus.all_buses()[name]
-        self.figures = BusFigures(self._config.channel)
-        self.image.buses.append(self.figures)
+        self.frames = Frames(bus, self._config, machine.cycle.period, self.image, self._on_error_frame)
         self._outage = Outage(self._config)
         self._period = machine.cycle.period
-        self._bus = bus
         self._now = now
         self._wall_clock = wall_clock
         self._idle = idle
         self._network = PolledNetwork(bus, fd=self._config.fd)
-        self._frame_bits = wire.frame_bits(self._config)
         self._links: Links = []
         self._drives: list[DriveLink] = []
-        self._table: dict[int, Receiver] = {}
         self._clients: dict[int, PumpedSdoClient] = {}  # of the boot
         self._questions: dict[int, Questions] = {}  # by node id: to nodes in operation
         self._virtual = [i for i, axis in enumerate(machine.axes) if axis.drive is None and not name]
@@ -104,22 +95,23 @@ class CanopenMaster:
         """The state before the first cycle."""
         self._running = False
         self._outage.forget()
-        self._error_frames = 0
         self._questions = {}
-        self._heard = Heard()
+        self.frames.forget()
         self._foreign_sync_told = -math.inf
         self._flooded_since = math.inf  # s, the first of the cycles that have left frames in the queue
         self._flood_told = False
         self._asked = 0  # index of the node that was asked last on a bus that is gone
         self._cycle_time = 0.0
-        self._bits = 0.0
-        self._cycles = 0
-        self._show(load=0.0, gone=False)
         guarded = [link.node for link in self._links if link.guarded]
-        self._beat = Beat(self._config, guarded, self._send, self._wall_clock)
-        self._io = IoExchange(self.image, self._links, self._send)
+        self._beat = Beat(self._config, guarded, self.frames.send, self._wall_clock)
+        self._io = IoExchange(self.image, self._links, self.frames.send)
         self._watch = NodeWatch(
-            self.image, self._config, self._links, self._send_data, self._io.refresh, self._heard.boot_ups
+            self.image,
+            self._config,
+            self._links,
+            self.frames.send_data,
+            self._io.refresh,
+            self.frames.heard.boot_ups,
         )
         if not self._shares_image:
             forget(self.image)
@@ -140,7 +132,7 @@ class CanopenMaster:
         self._forget()
         self._drives = [link for link in self._links if isinstance(link, DriveLink)]
         self._plan_load()
-        self._dialogues = NodeDialogues(self._machine, self._config, self.image, self._downloads())
+        self._dialogues = NodeDialogues(self._machine, self._config, self.image, downloads(self._machine, self.name))
         self._boot = BootSequence(
             self._machine,
             self._config,
@@ -148,15 +140,13 @@ class CanopenMaster:
             self._links,
             self._dialogues,
             self._wait,
-            self._heard,
+            self.frames.heard,
         )
         self._watch.begin(self._dialogues)
         self._clients = self._boot.clients
-        self._table = self._receivers()
+        self.frames.table = self._receivers()
         try:
-            for _ in range(MAX_STALE_FRAMES):  # what was on the bus before is of no interest
-                if self._bus.recv(0) is None:
-                    break
+            self.frames.discard()
             self._boot.prepare()
         except BUS_ERRORS as error:
             raise self._gone_at_start(error) from error
@@ -173,15 +163,6 @@ class CanopenMaster:
         for link in self._links:
             if not link.booted:
                 self._watch.lose(link, catalogue.NODE_ABSENT.id)
-
-    def _downloads(self) -> dict[int, Download]:
-        """The configuration files of the nodes of this bus. Raises FieldbusError for one that cannot be used."""
-        drives = [axis.drive for axis in self._machine.axes if axis.drive is not None]
-        devices = [(drive.node, drive) for drive in drives]
-        devices += [(drive.gantry.node, drive) for drive in drives if drive.gantry is not None]
-        files = [(node, drive.dcf, drive.dcf_store) for node, drive in devices if (drive.bus or "") == self.name]
-        files += [(io.node, io.dcf, io.dcf_store) for io in self._machine.fieldbus.io if (io.bus or "") == self.name]
-        return {node: Download(read_configuration(dcf, node), store) for node, dcf, store in files if dcf is not None}
 
     def _gone_at_start(self, error: Exception) -> FieldbusError:
         return FieldbusError(catalogue.BUS_GONE, meaning=str(error), bus=f" {self._config.channel}")
@@ -213,10 +194,10 @@ class CanopenMaster:
             self._clients[link.node].take(data)
 
     def _on_foreign_master(self, data: bytearray) -> None:
-        self._heard.master = True
+        self.frames.heard.master = True
 
     def _on_foreign_sync(self, data: bytearray) -> None:
-        self._heard.master = True
+        self.frames.heard.master = True
         if self._running and self._cycle_time - self._foreign_sync_told >= TOLD_PAUSE:
             self._foreign_sync_told = self._cycle_time
             self._tell(catalogue.FOREIGN_SYNC)
@@ -225,7 +206,7 @@ class CanopenMaster:
         """Let bus and time run until `condition` holds; False after `seconds`. Raises can.CanError."""
         deadline = self._now() + seconds
         while True:
-            self._receive()
+            self.frames.receive()
             if condition():
                 return True
             if self._now() >= deadline:
@@ -264,7 +245,7 @@ class CanopenMaster:
             return
         self._outage.cycle()
         try:
-            drained = self._receive()
+            drained = self.frames.receive()
         except BUS_ERRORS as error:
             self._bus_failed(error)
             return
@@ -282,7 +263,7 @@ class CanopenMaster:
                 self._flood_told = True
                 self._tell(catalogue.BUS_FLOODED)
         self._io.publish(self._cycle_time)
-        self._measure_load()
+        self.frames.measure()
 
     def write(self) -> None:
         """End of a cycle: send set-points, outputs and SYNC. Never blocks, never raises."""
@@ -301,13 +282,14 @@ class CanopenMaster:
         positions = (image.target_position + image.correction - image.origin).tolist()
         velocities = image.target_velocity.tolist()
         enable, quick_stop, reset = image.enable.tolist(), image.quick_stop.tolist(), image.reset_fault.tolist()
+        send = self.frames.send
         try:
             for link in self._drives:
                 i = link.axis
                 link.command(image, (velocities if link.spindle else positions)[i], enable[i], quick_stop[i], reset[i])
-                self._send(link.message)
+                send(link.message)
                 for message in link.further:
-                    self._send(message)
+                    send(message)
             self._io.send_outputs(self._cycle_time)
             self._watch.step()
         except BUS_ERRORS as error:
@@ -322,38 +304,6 @@ class CanopenMaster:
         except BUS_ERRORS as error:
             self._bus_failed(error)
 
-    def _send(self, message: can.Message) -> None:
-        if self._config.fd:
-            as_fd(message)
-        self._bus.send(message)
-        self.image.frames_sent += 1
-        self._bits += self._frame_bits[len(message.data)]
-
-    def _receive(self) -> bool:
-        """Hand every frame that has come to its receiver; False if more may be waiting. Raises can.CanError."""
-        receive, table = self._bus.recv, self._table
-        for count in range(MAX_FRAMES_PER_READ):
-            message = receive(0)
-            if message is None:
-                self.image.frames_received += count
-                return True
-            if message.is_error_frame:
-                self._error_frames += 1
-                self._on_error_frame(message.arbitration_id)
-                continue
-            data = message.data
-            if message.is_extended_id or message.is_remote_frame or data is None:
-                continue
-            if len(data) > CLASSIC:
-                self._heard.long_frame(message.arbitration_id, data, self._config.master_node)
-                continue
-            self._bits += self._frame_bits[len(data)]
-            receiver = table.get(message.arbitration_id)
-            if receiver is not None:
-                receiver(data)
-        self.image.frames_received += MAX_FRAMES_PER_READ
-        return False
-
     def _move_virtual_axes(self) -> None:
         """Axes without a drive follow at once."""
         image = self.image
@@ -364,23 +314,7 @@ class CanopenMaster:
                 image.actual_position[i] = image.target_position[i]
             image.actual_velocity[i] = image.target_velocity[i] if enabled else 0.0
 
-    def _measure_load(self) -> None:
-        self._cycles += 1
-        if self._cycles == LOAD_WINDOW:
-            self._show(load=self._bits / (LOAD_WINDOW * self._period * self._config.bitrate), gone=False)
-            self._cycles, self._bits = 0, 0.0
-
-    def _show(self, *, load: float, gone: bool) -> None:
-        self.figures.load, self.figures.gone = load, gone
-        self.image.bus_load = max(bus.load for bus in self.image.buses)
-        self.image.buses_changed = True
-
     # -- what goes wrong ---------------------------------------------------------------------------------------------
-
-    def _send_data(self, cob_id: int, data: bytes) -> None:
-        message = can.Message(arbitration_id=cob_id, is_extended_id=False, dlc=len(data))
-        fill(message, data)
-        self._send(message)
 
     def _on_error_frame(self, error_class: int) -> None:
         if error_class & ERROR_FRAME_BUS_OFF and self._running:
@@ -398,22 +332,20 @@ class CanopenMaster:
             return
         self._watch.lose_all()
         self._io.publish(self._cycle_time)
-        self._show(load=0.0, gone=True)
+        self.frames.begin_load(gone=True)
         outage.begin(self._tell(entry, code), self._cycle_time)
         if outage.waits:
             self._tell(catalogue.BUS_WAITS, outage.recoveries)
 
     def _look_for_bus(self, now: float) -> None:
         """The bus is gone: that frames go out and a frame of somebody else comes in is the proof that it works again."""
-        before = self.image.frames_received - self._error_frames
+        before = self.frames.taken
         try:
-            self._receive()
+            self.frames.receive()
         except BUS_ERRORS:
             return
-        heard = self.image.frames_received - self._error_frames > before
-        if heard and self._outage.heard(now):
-            self._cycles, self._bits = 0, 0.0
-            self._show(load=0.0, gone=False)
+        if self.frames.taken > before and self._outage.heard(now):
+            self.frames.begin_load(gone=False)
             self._tell(catalogue.BUS_BACK)
 
     def _try_bus(self) -> None:
@@ -422,10 +354,10 @@ class CanopenMaster:
         And a question to one node after the other: nodes that were just being reset have no heartbeat to be heard by.
         """
         try:
-            self._send(self._beat.heartbeat)
+            self.frames.send(self._beat.heartbeat)
             if self._links:
                 self._asked = (self._asked + 1) % len(self._links)
-                self._send_data(0x600 + self._links[self._asked].node, DEVICE_TYPE_QUESTION)
+                self.frames.send_data(0x600 + self._links[self._asked].node, DEVICE_TYPE_QUESTION)
         except BUS_ERRORS:
             self._outage.sending_works = False
         else:
@@ -447,7 +379,7 @@ class CanopenMaster:
 
     def questions(self, link: DriveLink | IoLink) -> Questions:
         """For SDO accesses to a node in operation, between the set-points. What sending raises comes through."""
-        return self._questions.setdefault(link.node, Questions(link, self._send_data))
+        return self._questions.setdefault(link.node, Questions(link, self.frames.send_data))
 
     def drive(self, axis: int) -> DriveLink:
         """The drive of an axis; raises KeyError for an axis without one."""

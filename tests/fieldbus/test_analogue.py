@@ -69,7 +69,7 @@ def test_inputs_come_every_so_many_cycles_and_watched_ones_when_they_change() ->
         assert node._number(TRIGGER, 1) == 7  # as the device has it
         heard: list[int] = []
         for cob_id in (0x194, 0x294):  # node 20 has no bits, so its PDOs 1 and 2
-            rig.master._table[cob_id] = partial(_hear, heard, cob_id, rig.master._table[cob_id])
+            rig.master.frames.table[cob_id] = partial(_hear, heard, cob_id, rig.master.frames.table[cob_id])
         rig.cycle(90)
         assert heard.count(0x194) == 18
         assert heard.count(0x294) <= 1  # its timer

@@ -182,7 +182,7 @@ def recovering(**policy: object) -> Rig:
 def outage(rig: Rig, seconds: float = 1.0) -> None:
     """The interface is down for a while."""
     failing = Failing(rig.bus, can.CanOperationError("Failed to transmit", errno.ENETDOWN))
-    rig.master._bus = failing  # type: ignore[assignment]
+    rig.master.frames.bus = failing  # type: ignore[assignment]
     assert rig.run_until(lambda: catalogue.BUS_GONE.id in rig.event_ids(), 0.1)
     rig.cycle(round(seconds / rig.machine.cycle.period))
     failing.fails = False

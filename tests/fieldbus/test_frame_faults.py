@@ -62,7 +62,7 @@ class BadBus:
 
 def swing(rig: Rig, bus: BadBus, cycles: int = CYCLES) -> float:
     """X swings with up to 395 of 400 mm/s; the largest step of the set-point that its drive follows, mm per cycle."""
-    rig.master._bus = bus  # type: ignore[assignment]
+    rig.master.frames.bus = bus  # type: ignore[assignment]
     drive, image = rig.simulated.drives[1], rig.image
     before, worst = drive.servo.command, 0.0
     angle = 0.0

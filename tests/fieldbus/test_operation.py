@@ -247,7 +247,7 @@ class Failing:
 
 def test_an_interface_that_goes_down_is_gone_at_once(rig: Rig) -> None:
     failing = Failing(rig.bus, can.CanOperationError("Failed to transmit", errno.ENETDOWN))
-    rig.master._bus = failing  # type: ignore[assignment]
+    rig.master.frames.bus = failing  # type: ignore[assignment]
     rig.cycle(2)
     assert rig.event_ids() == ids(catalogue.BUS_GONE)
     assert "network is down" in rig.problems()[0].text
@@ -255,7 +255,7 @@ def test_an_interface_that_goes_down_is_gone_at_once(rig: Rig) -> None:
 
 def test_a_full_queue_passes_by(rig: Rig) -> None:
     failing = Failing(rig.bus, can.CanOperationError("Transmit buffer full"))
-    rig.master._bus = failing  # type: ignore[assignment]
+    rig.master.frames.bus = failing  # type: ignore[assignment]
     rig.cycle(2)
     failing.fails = False
     rig.cycle(50)
@@ -289,7 +289,7 @@ def test_a_wire_too_slow_for_the_cycle_is_refused(bitrate: int) -> None:
 def test_a_wire_nearly_full_is_told() -> None:
     with Rig() as rig:
         full = rig.machine.fieldbus.bus.model_copy(update={"interface": "socketcan", "bitrate": 950_000})
-        rig.master._config = full
+        rig.master._config = rig.master.frames.config = full
         rig.machine = rig.machine.model_copy(update={"fieldbus": rig.machine.fieldbus.model_copy(update={"bus": full})})
         rig.master._machine = rig.machine
         rig.started()

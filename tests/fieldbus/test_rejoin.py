@@ -203,7 +203,7 @@ def test_lost_nodes_are_told_again_only_until_they_are_back(rig: Rig) -> None:
 def test_an_interface_that_comes_up_again(rig: Rig) -> None:
     move(rig, X, 100.0, 100)
     failing = Failing(rig.bus, can.CanOperationError("Failed to transmit", errno.ENETDOWN))
-    rig.master._bus = failing  # type: ignore[assignment]
+    rig.master.frames.bus = failing  # type: ignore[assignment]
     rig.cycle(1000)
     # what it hears does not count as long as nothing can be sent; the drives tell that they miss their master
     assert [number for number in rig.event_ids() if number != catalogue.EMERGENCY.id] == ids(catalogue.BUS_GONE)

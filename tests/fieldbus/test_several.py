@@ -154,9 +154,9 @@ def test_the_bits_of_both_buses_make_one_image(rig: TwoBuses) -> None:
 
 def test_a_bus_that_is_gone_leaves_the_other_in_operation(rig: TwoBuses) -> None:
     master = rig.system.masters[1]
-    bus = master._bus
+    bus = master.frames.bus
     failing = Failing(bus, can.CanOperationError("Failed to transmit", errno.ENETDOWN))
-    master._bus = failing  # type: ignore[assignment]
+    master.frames.bus = failing  # type: ignore[assignment]
     assert rig.run_until(lambda: bool(rig.events), 0.1)
     (event,) = rig.events
     assert (event.error_id, event.bus) == (catalogue.ONE_BUS_GONE.id, "b")
@@ -206,8 +206,8 @@ def test_loads_are_planned_and_measured_per_bus(rig: TwoBuses) -> None:
     for master, own in zip(rig.system.masters, ([0, 1, 3, 4], [2, 5]), strict=True):
         config = rig.machine.fieldbus.all_buses()[master.name]
         planned = wire.planned_load([links[k] for k in own], config, rig.machine.cycle.period)
-        assert master.figures.load == pytest.approx(planned, rel=0.01)
-    assert rig.image.bus_load == max(master.figures.load for master in rig.system.masters)
+        assert master.frames.figures.load == pytest.approx(planned, rel=0.01)
+    assert rig.image.bus_load == max(master.frames.figures.load for master in rig.system.masters)
 
 
 def test_stop_leaves_both_buses(rig: TwoBuses) -> None:

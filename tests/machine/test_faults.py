@@ -168,7 +168,7 @@ def test_bus_gone_leaves_the_axes_to_their_drives(demo: Machine, tmp_path: Path)
     driven.start(LONG_LINE)
     driven.until_x(60.0)
     driven.forget()
-    driven.simulation.drives._bus.shutdown()  # type: ignore[attr-defined]
+    driven.simulation.drives.frames.bus.shutdown()  # type: ignore[attr-defined]
     assert driven.until(lambda: driven.channel.error is not None) <= 4
     driven.watch(2000)
     assert driven.alarm(fieldbus.BUS_GONE).active
