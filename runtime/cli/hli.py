@@ -19,7 +19,7 @@ from rich.text import Text
 from runtime.cli.search_place import HELP, search_order
 from runtime.config.loader import load_machine
 from runtime.diagnostics.errors import Severity
-from runtime.drives import DriveState
+from runtime.drives import DriveMode, DriveState
 from runtime.hli.alarms import alarm_lines
 from runtime.hli.client import HliClient, mode_name, state_name, stop_conditions
 from runtime.hli.header import c_header
@@ -158,12 +158,25 @@ def _channel_table(channel: Channel) -> Table:
     return table
 
 
+# 0: the drive does not tell it
+_USUAL = (0, DriveMode.CYCLIC_SYNCHRONOUS_POSITION)
+
+
+def _mode_text(mode: int) -> str:
+    try:
+        return DriveMode(mode).name.lower().replace("_", " ")
+    except ValueError:
+        return f"mode {mode}"
+
+
 def _axis_table(axes: list[Axis]) -> Table:
     table = Table("axis", "actual", "commanded", "lag", "velocity", "drive")
     for axis in axes:
         status, spindle = axis.status, axis.spindle
         name = get_text(axis, "name_r")
         state = DriveState(status.drive_state_r).name.lower().replace("_", " ")
+        if status.drive_mode_r not in _USUAL:  # it moves the axis by itself
+            state += ", " + _mode_text(status.drive_mode_r)
         drive = f"{state}, {status.fault_code_r:#06x}" if status.fault_code_r else state
         if axis.axis_type_r == SPINDLE:
             actual, commanded = (

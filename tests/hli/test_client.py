@@ -110,6 +110,18 @@ def test_watch_once_shows_the_machine(machine: HliMemory, monkeypatch: pytest.Mo
     assert "clamp [does] not close" in text
 
 
+def test_watch_tells_the_mode_of_a_drive_that_moves_its_axis_by_itself(
+    machine: HliMemory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "140")
+    status = machine.hli.axes[0].status
+    for shown, told in ((0, ""), (8, ""), (10, "cyclic synchronous torque"), (-3 % 2**32, "mode 4294967293")):
+        status.drive_mode_r = shown
+        text = run("watch", "--once", "--name", str(machine.name))
+        assert told in text
+        assert ("cyclic" in text) is told.startswith("cyclic")
+
+
 def test_watch_json_and_show(machine: HliMemory) -> None:
     picture = json.loads(run("watch", "--once", "--json", "--name", str(machine.name)))
     assert picture["channels"][0]["status"]["line_r"] == 42
