@@ -118,7 +118,7 @@ def test_set_points_lost_in_a_row_are_extrapolated(lost: int) -> None:
         for k in range(100):
             image.target_position[X] = 0.3 * k
             rig.cycle()
-        hear = rig.master._send
+        hear = rig.master.frames.send
         left = lost
 
         def deaf(message: can.Message) -> None:
@@ -128,7 +128,7 @@ def test_set_points_lost_in_a_row_are_extrapolated(lost: int) -> None:
             else:
                 hear(message)
 
-        rig.master._send = deaf  # type: ignore[method-assign]
+        rig.master.frames.send = deaf  # type: ignore[method-assign]
         commands = [drive.servo.command]
         for k in range(100, 120):
             image.target_position[X] = 0.3 * k
@@ -143,8 +143,8 @@ def test_set_points_lost_in_a_row_are_extrapolated(lost: int) -> None:
 def test_a_drive_that_hears_no_set_points_any_more_stops_by_itself() -> None:
     with Rig() as rig:
         rig.enabled()
-        hear = rig.master._send
-        rig.master._send = lambda message: None if message.arbitration_id == 0x201 else hear(message)  # type: ignore[method-assign]
+        hear = rig.master.frames.send
+        rig.master.frames.send = lambda message: None if message.arbitration_id == 0x201 else hear(message)  # type: ignore[method-assign]
         rig.cycle(10)
         assert rig.event_ids() == [catalogue.EMERGENCY.id, catalogue.DRIVE_FAULT.id]
         assert rig.image.fault_code[X] == 0x8250
