@@ -67,6 +67,20 @@ def test_which_blocks_are_steps(demo: Machine, tmp_path: Path, mode: int, lines:
     assert place(driven)[0] == 40.0
 
 
+@pytest.mark.parametrize("words", ["G60 G01 X10\nG01 X20\nX30", "G360\nG01 X10\nX20\nG359\nX30", "G01 X10\nX20\nX30"])
+def test_an_exact_stop_at_the_end_of_a_block_is_no_way_through_it(demo: Machine, tmp_path: Path, words: str) -> None:
+    driven = make(demo, tmp_path)
+    driven.operator.single_block_w = True
+    driven.start(f"%EXACT\nG90 F6000\n{words}\nM30\n")
+    places = [
+        line
+        for line, block in enumerate(f"%EXACT\nG90 F6000\n{words}".splitlines(), 1)
+        if "X" in block and "%" not in block
+    ]
+    assert stops(driven) == places
+    assert driven.alarms == []
+
+
 @pytest.mark.spec("chan.single-step")
 def test_without_single_block_no_step_slows_the_path_down(demo: Machine, tmp_path: Path) -> None:
     def seconds(function: str) -> float:

@@ -189,6 +189,7 @@ class Execution:
         self.report_backups = Backups()
         self.found_file: Path | None = None  # of the last #FILE EXIST
         self.random: Random | None = None  # of V.G.RANDOM, made at its first access
+        self._stands = False  # the block in work has an exact stop
         self._run: list[list[float]] = []
         self._run_feeds: list[float] = []
         self._run_lines: list[int] = []
@@ -228,9 +229,13 @@ class Execution:
         self.out.append(block)
 
     def block_end(self) -> None:
-        """The end of a block with motion, if single block stops behind it."""
+        """The end of a block with motion, if single block stops behind it. Where the path stands already at an exact stop, a gate
+        of its own stops it."""
+        stands, self._stands = self._stands, False
         if self.call_shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))
+            if stands:
+                self.emit(StepEnd(self.source))
 
     def step_end(self, since: int) -> None:
         """The end of a block: a step of its own, if it has no motion and is one by P-CHAN-00015. What it has emitted stands in
@@ -253,6 +258,7 @@ class Execution:
         rapid = self.setup.exact_stop_after_rapid and self.modal.motion is Motion.RAPID
         if motion and (self.exact_stop or self.modal.exact_stop or rapid):
             self.emit(ExactStop(self.source))
+            self._stands = True
 
     def stepwise(self, run: Polyline) -> Iterable[Block]:
         """A run of moves as it is, or one by one where not every block is a step."""

@@ -108,7 +108,7 @@ def wait_for_values(x: Execution) -> None:
 
     Single block stops at a gate of its own, as the path stands already where the block ends.
     """
-    if x.frames[-1].shown is None and x.steps.ends(x.source.n):
+    if x.call_shown is None and x.steps.ends(x.source.n):
         x.emit(StepEnd(x.source))
     x.emit(Flush(x.source, FlushKind.WAIT))
 
