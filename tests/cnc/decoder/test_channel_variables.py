@@ -144,9 +144,12 @@ def test_the_state_is_only_read(name: str) -> None:
 # -- functions that are active -------------------------------------------------------------------------------------
 
 
+@pytest.mark.spec("isg.var.g-active-flags")
 @pytest.mark.parametrize(
     ("flag", "on", "off"),
     [
+        ("TRC_ACTIVE", "G41", "G40"),
+        ("MCS_ACTIVE", "#MCS ON", "#MCS OFF"),
         ("MIRROR_ACTIVE", "G21", "G20"),
         ("MIRROR_ACTIVE", "G22", "G20"),
         ("MIRROR_ACTIVE", "G23", "G20"),
@@ -165,6 +168,7 @@ def test_flags_follow_what_is_switched(flag: str, on: str, off: str) -> None:
     assert values(program, files={"here.nc": "M17"}) == {1: 1, 2: 0, 3: 1}
 
 
+@pytest.mark.spec("isg.var.g-active-flags")
 def test_the_method_of_contouring() -> None:
     program = "P1 = V.G.CONT_MODE_ACTIVE\nG261\nP2 = V.G.CONT_MODE_ACTIVE\n"
     for number, method in enumerate(("DIST", "POS", "DIST_SOFT", "PTP"), 3):
@@ -172,7 +176,7 @@ def test_the_method_of_contouring() -> None:
     assert values(f"{program}G260\nP7 = V.G.CONT_MODE_ACTIVE") == {1: 0, 2: 4, 3: 3, 4: 5, 5: 6, 6: 7, 7: 0}
 
 
-@pytest.mark.spec("isg.var.g-link-rotation")
+@pytest.mark.spec("isg.var.g-link-rotation", "isg.var.g-active-flags")
 @pytest.mark.parametrize(
     ("flag", "switches"),
     [

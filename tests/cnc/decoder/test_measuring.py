@@ -192,7 +192,7 @@ def test_offsets_of_axes_without_them_are_refused() -> None:
     assert refused("G102") is None
 
 
-@pytest.mark.spec("isg.g.measuring-framework")
+@pytest.mark.spec("isg.var.g-active-flags", "isg.g.measuring-framework")
 def test_the_type_is_chosen_and_goes_back_to_the_configured_one() -> None:
     text = "P1=V.G.MEAS_TYPE\n#MEAS MODE[2]\nP2=V.G.MEAS_TYPE\n#MEAS MODE\nP3=V.G.MEAS_TYPE\n"
     text += "#MEAS [TYPE=1]\nP4=V.G.MEAS_TYPE\nM30"

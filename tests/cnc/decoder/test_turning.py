@@ -77,7 +77,7 @@ def test_zero_offsets_are_diameters_whether_g51_holds_or_not() -> None:
     assert xs("G54 G01 F100 X2\nG51 X2", replace(SETUP, zero_offsets=offsets, offset_diameters=True)) == [17.0, 16.0]
 
 
-@pytest.mark.spec(DIAMETER)
+@pytest.mark.spec("isg.var.g-active-flags", DIAMETER)
 def test_what_variables_tell() -> None:
     text = (
         "G18 P1=V.G.DIAMETER_PROG_ACTIVE P2=V.A.DIAMETER_PROG.ABS.X\nG51\n"

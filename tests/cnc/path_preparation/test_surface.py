@@ -213,6 +213,7 @@ def test_wrong_settings_are_errors(text: str, entry: object) -> None:
     assert run.problem.entry is entry
 
 
+@pytest.mark.spec("isg.var.g-active-flags")
 def test_the_flag_tells_whether_the_optimiser_is_on() -> None:
     text = "P1=V.G.HSC_SURFACE_ACTIVE\n#HSC ON [SURFACE]\nP2=V.G.HSC_SURFACE_ACTIVE\n#HSC OFF\nP3=V.G.HSC_SURFACE_ACTIVE\nM30"
     run = decode(text)
