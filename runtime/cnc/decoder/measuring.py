@@ -50,6 +50,8 @@ INTERRUPTING = 5  # type of G310
 def measure(x: Execution, block: CompiledBlock, jump: Callable[[], None] | None = None) -> bool:
     """The measuring run of the block; whether anything moves. `jump`: what G310 does behind a signal. Raises LineError."""
     state, column = x.measuring, x.measuring.column
+    if not column:
+        raise LineError(catalogue.G106_ALONE, state.through_column)
     _expect_possible(x, block, column)
     axes = _axes_of(x, block)
     probes = _probes_of(x, block, axes)

@@ -222,6 +222,7 @@ def test_the_type_is_chosen_and_goes_back_to_the_configured_one() -> None:
         ("G100 X10 #RND=2", errors.BESIDE),
         ("G100 X10 E100", errors.BESIDE),
         ("G100 G106 X10", errors.G106_ALONE),
+        ("#MEAS MODE[3]\nG106 X10", errors.G106_ALONE),
         ("#MEAS MODE[2]\nG100 X1 Y2", errors.ONE_AXIS),
         ("#MEAS MODE[2]\nG100 X1", errors.FEED_MISSING),
         ("#MEAS [SIMU_OFFSET=1]", errors.SOURCE_UNSUPPORTED),
