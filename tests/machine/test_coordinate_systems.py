@@ -12,11 +12,12 @@ from runtime.cnc.geometry.frames import Floats, Frame, rotation_of
 from runtime.cnc.search_target import SearchKind
 from runtime.config.machine import Machine
 from runtime.diagnostics.catalogue.motion import SOFTWARE_LIMIT
-from runtime.hli.layout import StopCondition
+from runtime.hli.layout import ManualMode, StopCondition
 from runtime.scheduler.simulation import Simulation
 from tests.machine.test_backward_motion import at_begin, backward
 from tests.machine.test_backward_motion import make as backward_machine
 from tests.machine.test_block_search import make, place, search
+from tests.machine.test_modes import Hand
 
 Write = Callable[[str], Path]
 VALUES = "60,40,-20,10,-15,35"
@@ -171,3 +172,36 @@ def test_positions_asked_for_in_a_system(demo: Machine, program: Write) -> None:
     arrays = simulation.samples.arrays()
     speeds = [np.abs(np.diff(arrays[name])).max() / simulation.period for name in "XYZ"]
     assert all(speed <= axis.velocity * 1.001 for speed, axis in zip(speeds, demo.axes, strict=False))
+
+
+def test_by_hand_in_a_system(demo: Machine, tmp_path: Path) -> None:
+    """G200 moves machine axes; then the program goes on from there, with its words along the axes of the system."""
+    driven = make(demo, tmp_path)
+    hand = Hand(driven)
+    driven.start("%H\n#CS ON [100,0,0,0,0,90]\nG90 G01 F6000 X10 Y0\nG200\nX20\nM30\n")
+    driven.until(lambda: bool(driven.channel.stop_condition & StopCondition.MANUAL))
+    driven.watch(2)
+    assert place(driven)[:3] == [100, 10, 0]
+    hand.parameter("continuous_parameter", 1, velocity=50.0)
+    hand.link(1, 1, ManualMode.CONTINUOUS)
+    hand.press(1, 0)
+    hand.press(1, 1)
+    driven.watch(300)
+    hand.press(1, 0)
+    hand.rest()
+    moved = float(driven.image.target_position[0])
+    assert moved > 105
+    driven.operator.continue_motion_rw = True
+    driven.until_done()
+    assert driven.alarms == []
+    assert place(driven)[:3] == [pytest.approx(moved), 20, 0]
+    driven.assert_no_jump()
+
+
+def test_homing_in_a_system(demo: Machine, program: Write) -> None:
+    """Where the axes stand is told anew on the machine, and the words go on along the axes of the system."""
+    text = "%H\n#CS ON [100,50,0,0,0,90]\nG90 G01 F6000 X10 Y20\nG74 X1 Y2\nX5 Y5\n"
+    text += "P2=V.A.ACS.ABS.X P3=V.A.ACS.ABS.Y\nM30\n"
+    result = Simulation(demo).run_program(program(text))
+    assert result.good, result.problems
+    assert (result.parameters[2], result.parameters[3]) == pytest.approx((95, 55), abs=1e-6)

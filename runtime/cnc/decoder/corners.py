@@ -44,6 +44,7 @@ from runtime.cnc.blocks import (
 from runtime.cnc.decoder import corner_geometry as geometry
 from runtime.cnc.language.errors import ProgramError
 from runtime.diagnostics.catalogue import language as catalogue
+from runtime.diagnostics.catalogue.coordinates import CORNER_SYSTEM
 from runtime.diagnostics.errors import ErrorEntry, Place, Problem
 
 Plane = tuple[int, int]
@@ -172,7 +173,9 @@ class _Held:
         """The block, if the next motion can still come behind it."""
         if isinstance(block, Stop) and block.kind is StopKind.PROGRAM_END:
             raise self.error(catalogue.CORNER_OPEN)
-        if isinstance(block, FrameChange | Homing | ManualMotion | TakeOver | PositionSetting | IndependentMotion) or (
+        if isinstance(block, FrameChange):
+            raise self.error(CORNER_SYSTEM, wait_line=block.source.line)
+        if isinstance(block, Homing | ManualMotion | TakeOver | PositionSetting | IndependentMotion) or (
             isinstance(block, Flush) and block.kind is FlushKind.WAIT
         ):
             raise self.error(catalogue.CORNER_WAIT, wait_line=block.source.line)

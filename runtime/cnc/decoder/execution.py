@@ -121,6 +121,7 @@ class Execution:
         )
         self.coordinates = Coordinates.at(start)
         self.systems = setup.systems()
+        self.direction_limit: tuple[float, ...] = (0.0, 0.0, 0.0)  # of #GET WCS POSLIMIT, programmed coordinates
         self.open_area: OpenArea | None = None  # between #CONTROL AREA BEGIN and END
         self.parameters = memory.start_parameters(setup)
         self.parameter_arrays = memory.start_arrays(setup)

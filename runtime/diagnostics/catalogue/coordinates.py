@@ -138,6 +138,19 @@ ROTATION_LOST = ErrorEntry(
     severity=Severity.WARNING,
     reaction=Reaction.NONE,
 )
+CORNER_SYSTEM = ErrorEntry(
+    315022,
+    "the coordinate system changes (line {wait_line}) before the motion behind the {what} is known",
+    reaction=STOP,
+    remedy="program the corner in front of a motion of the same coordinate system",
+)
+LIMIT_DIRECTION = ErrorEntry(
+    315023,
+    "#GET WCS POSLIMIT: {what}",
+    reaction=STOP,
+    remedy="VC1, VC2 and VC3 are a direction in the active coordinate system",
+    source="programming manual line 27832",
+)
 ROTATED_POINT = ErrorEntry(
     315021,
     "in a rotated coordinate system an interim point needs X, Y and Z",

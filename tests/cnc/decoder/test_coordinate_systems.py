@@ -197,7 +197,7 @@ def test_the_off_of_a_system_takes_no_id() -> None:
         ("#CS DEF ACT", (catalogue.SYSTEM_NONE, 1, 1)),
         ("G41 G01 F1 X1\n#CS ON [1,2]", (radius.FORBIDDEN, 2, 1)),
         ("G41 G01 F1 X1\n#ACS OFF", (radius.FORBIDDEN, 2, 1)),
-        ("G91 F1 G01 X1 #RND=0.1\n#CS ON [0,0,0,45]\nY1", (language.CORNER_WAIT, 1, 0)),
+        ("G91 F1 G01 X1 #RND=0.1\n#CS ON [0,0,0,45]\nY1", (catalogue.CORNER_SYSTEM, 1, 0)),
     ],
 )
 def test_errors(text: str, expected: tuple[ErrorEntry, int, int]) -> None:
@@ -709,3 +709,49 @@ def test_a_tool_that_moves_the_axes_at_once_moves_those_of_the_machine() -> None
     memory = ChannelMemory(setup, MemoryTools((Tool(number=1, length=30.0),)))
     ends = machine_ends("#CS ON [0,0,0,90]\nG00 X1 Y2 Z3\nD1\nX1 Y2 Z3\nM30", setup, memory=memory)
     np.testing.assert_allclose(ends, [[1, -3, 2], [1, -3, 32], [1, -3, 32]], atol=1e-9)
+
+
+@settings(max_examples=40)
+@given(
+    values,
+    st.sampled_from(["", "#ROTATION ON [ANGLE 30 CENTER1 5]\n", "G21\n", "G92 X7\n"]),
+    st.tuples(shifts, shifts, shifts),
+)
+def test_the_way_to_the_first_limit_ends_at_it(given: tuple[int, ...], word: str, way: tuple[int, ...]) -> None:
+    """Driven exactly in the direction, one axis comes to its limit and none beyond."""
+    if not any(way):
+        return
+    limits = ((-2000.0, 2100.0), (-1500.0, 1900.0), (-1800.0, 1700.0))
+    setup = replace(SETUP, position_limits=limits)
+    text = (
+        f"#CS ON [{written(given)}]\n{word}G00 X1 Y2 Z3\n#GET WCS POSLIMIT [VC1={way[0]} VC2={way[1]} VC3={way[2]}]\n"
+    )
+    go = "X[V.G.WCS_POSLIMIT_1] Y[V.G.WCS_POSLIMIT_2] Z[V.G.WCS_POSLIMIT_3]\nM30"
+    end = np.array(machine_ends(text + go, setup)[-1])
+    low, high = np.array(limits).T
+    assert (end >= low - 1e-6).all()
+    assert (end <= high + 1e-6).all()
+    assert min(np.abs(end - low).min(), np.abs(end - high).min()) < 1e-6
+
+
+@pytest.mark.spec("isg.cs.get-wcs-poslimit")
+def test_the_limit_in_a_direction() -> None:
+    """The example of lines 27881–27888, with limits of X 200, Y 90: along the diagonal of a system that is turned by 45°."""
+    setup = replace(SETUP, position_limits=((-100.0, 200.0), (-100.0, 90.0), (None, None)))
+    text = "#CS ON[0,0,0,0,0,45]\n#GET WCS POSLIMIT [VC1=1 VC2=1 VC3=0]\n"
+    text += "P1=V.G.WCS_POSLIMIT_1 P2=V.G.WCS_POSLIMIT_2 P3=V.G.WCS_POSLIMIT_3\nM30"
+    # the diagonal is Y of the machine: 90 there is 90 cos 45° in both
+    assert parameters(text, setup) == pytest.approx({1: 90 * HALF, 2: 90 * HALF, 3: 0}, abs=1e-9)
+    inch = "G99 Y50.8\n#GET WCS POSLIMIT [VC2=1]\nG70\nP1=V.G.WCS_POSLIMIT_2\nM30"
+    assert parameters(inch, setup) == {1: 2}
+    at = "G00 X5\n#GET WCS POSLIMIT [VC1=-3]\nP1=V.G.WCS_POSLIMIT_1\n"
+    at += "G98 X20\n#GET WCS POSLIMIT [VC1=-3]\nP2=V.G.WCS_POSLIMIT_1\nM30"
+    assert parameters(at, setup) == {1: -100, 2: 5}, "beyond a limit there is no way left"
+    assert entry("#GET WCS POSLIMIT [VC1=0]\nM30", setup) == (catalogue.LIMIT_DIRECTION, 1, 1)
+    assert entry("#GET WCS POSLIMIT [VC3=1]\nM30", setup) == (catalogue.LIMIT_DIRECTION, 1, 1)
+
+
+def test_an_arc_through_three_points_of_a_system() -> None:
+    arc = "G00 X1 Y2 Z3\nG303 F100 I5 J6 K7 X9 Y1 Z2\nM30"
+    plain, turned = machine_path(on_machine(arc)), machine_path(on_machine(f"#CS ON [5,6,7,10,20,30]\n{arc}"))
+    np.testing.assert_allclose(turned, frame((5, 6, 7, 10, 20, 30)).outer(plain), atol=1e-9)

@@ -26,6 +26,7 @@ from runtime.cnc.decoder.isg import (  # noqa: F401 - each registers what it is 
     hsc,
     machine_coordinates,
     named_systems,
+    position_limits,
     segmentation,
     splines,
     statements_backward,
