@@ -57,6 +57,7 @@ class NctParameters(Model):
     retg73: Annotated[Length, Field(ge=0)] = 1.0  # G73: retraction between two cuts without E
     cleg83: Annotated[Length, Field(ge=0)] = 1.0  # G83: clearance over the last depth without E
     tapdwell: bool = False  # G74, G84: P is a dwell at the bottom
+    index1: bool = False  # the spindle can follow the path: rigid tapping
     orient1: bool = False  # the spindle can be oriented: G76, G87 as back boring
     sbstm: bool = True  # macro blocks are executed while the block before them moves; else when it is done
     wrprot1: Common | None = None  # first and

@@ -13,6 +13,9 @@ from runtime.hli.layout import StopCondition
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
 from tests.machine.test_modes import Hand, place
+from tests.machine.test_spindles import Run, machine_with
+from tests.machine.test_tapping import off_the_thread
+from tests.machine.with_spindle import TYPES, Followed
 
 DRILL = "%O0001(DRILL)\nG90 G17 G0 X0 Y0 Z60\nG81 X10 Z45 R50 F3000\nX20\nG80\nM30\n"
 TAP = "%O0002(TAP)\nG90 G17 G0 X0 Y0 Z60\nS600 M3\nG99 G84 X10 Z20 R50 F900\nG80 X20\nM30\n"  # 1.5 mm
@@ -124,3 +127,49 @@ def test_the_operator_moves_the_tool_at_the_bottom(demo: Machine, tmp_path: Path
     driven.assert_no_jump()
     coolant = [event for event in driven.simulation.log if event.kind is EventKind.M_OUT and event.number == 8]
     assert len(coolant) == 1  # M8 stands in the block of the cycle, which is executed twice
+
+
+RIGID = "%O0004(RIGID)\nG90 G17 G0 X0 Y0 Z60\n{mode} S{speed}\n{cycle} X10 Z40 R50 F{feed}\nX20\nG80 X0\nM30\n"
+
+
+class Rigid(Followed):
+    """A run of a program of the dialect with a spindle that can follow the path."""
+
+    def __init__(self, demo: Machine, text: str, folder: Path) -> None:
+        machine = machine_with(demo, TYPES)
+        channel = machine.channels[0]
+        parameters = channel.nct.model_copy(update={"index1": True})
+        changed = channel.model_copy(update={"dialect": "nct", "nct": parameters})
+        self.machine = machine.model_copy(update={"channels": (changed,)})
+        path = folder / "o0004.nc"
+        path.write_text(text)
+        self._rows: list[tuple[float, ...]] = []
+        Run.__init__(self, self.machine, path)
+
+
+@pytest.mark.spec("nct.cycle.rigid-tapping-g84-2-g84-3")
+@pytest.mark.parametrize(
+    ("cycle", "mode", "feed", "pitch"),
+    [("G84.2", "G94", 900, 1.5), ("G99 G84.3", "G94", 900, -1.5), ("G84.2", "G95", 2, 2.0)],
+)
+def test_the_spindle_follows_the_drilling_axis(
+    demo: Machine, tmp_path: Path, cycle: str, mode: str, feed: float, pitch: float
+) -> None:
+    """Also through an override and a feed hold in the hole; at the end it stands."""
+    run = Rigid(demo, RIGID.format(cycle=cycle, mode=mode, feed=feed, speed=600), tmp_path)
+    run.until(lambda: run.channel.together.tapping)
+    run.hli.operator[0].override_w = 600
+    run.cycle(100)
+    run.hli.operator[0].feedhold_w = True
+    run.cycle(200)
+    assert run.channel.held
+    run.hli.operator[0].feedhold_w = False
+    run.until(lambda: not run.channel.active, 60.0)
+    told = run.told
+    assert len(told.sections) == 2
+    for section in told.sections:
+        assert off_the_thread(told, section, pitch) <= 1e-6
+        depths = told.axes[section, 2]
+        assert depths.max() - depths.min() == pytest.approx(10.0, abs=1e-6)
+    assert run.spindles[0].mode is SpindleMode.M5
+    assert run.ids() == []

@@ -52,7 +52,7 @@ def thread(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
     if share < 1e-6:
         raise _no_way(x, block, name, axis)
     velocity = state.speed / 60.0 * per_turn / share
-    _expect_possible(x, block, name, setup, way, length, velocity, state.speed)
+    _expect_possible(x, _speed_column(block), name, setup, way, length, velocity, state.speed)
     sections.open(x, SpindleRole.THREAD, x.spindles.main)
     x.emit(SpindleTurn(x.source, TURN * share / per_turn))
     x.emit(_line(x, end, velocity * 60.0))
@@ -78,14 +78,26 @@ def tap(x: Execution, block: CompiledBlock, corner: Corner | None) -> None:
     if length <= _NO_WAY:
         x.coordinates.moved(end)
         return
-    _expect_possible(x, block, name, setup, way, length, feed / 60.0, abs(speed))
-    sections.open(x, SpindleRole.TAPPING, x.spindles.main)
+    _expect_possible(x, _speed_column(block), name, setup, way, length, feed / 60.0, abs(speed))
+    stroke(x, setup, end, feed, turn)
+
+
+def stroke(x: Execution, setup: SpindleSetup, end: list[float], feed: float, turn: float) -> None:
+    """A straight move that the main spindle follows with `turn` degrees per mm; `feed` in mm/min. It opens a section."""
+    x.sections.open(x, SpindleRole.TAPPING, x.spindles.main)
     x.emit(SpindleTurn(x.source, turn))
     x.emit(DynamicsChange(x.source, _limited(x, setup, abs(turn))))
     x.emit(_line(x, end, feed))
     x.emit(Flush(x.source, FlushKind.STOP))  # the spindle stands where it begins to turn the other way
     x.emit(DynamicsChange(x.source, x.dynamics))
     x.coordinates.moved(end)
+
+
+def expect_stroke(x: Execution, motion: str, column: int, way: list[float], feed: float, speed: float) -> SpindleSetup:
+    """The main spindle for a `stroke` of this way. LineError if it cannot be followed, or one of both cannot go so fast."""
+    setup = expect_follower(x, motion, column)
+    _expect_possible(x, column, motion, setup, way, queue_length(way), feed / 60.0, speed)
+    return setup
 
 
 def take_speed(x: Execution, value: float, column: int) -> None:
@@ -167,9 +179,8 @@ def _limited(x: Execution, setup: SpindleSetup, turn: float) -> DynamicSettings:
 # ---------------------------------------------------------------------------------------------------- in common
 
 
-def _spindle(x: Execution, block: CompiledBlock, corner: Corner | None, motion: str) -> SpindleSetup:
-    """The main spindle; LineError if it cannot be followed, or for what cannot be beside it."""
-    column = block.column(WordKind.AXIS)
+def expect_follower(x: Execution, motion: str, column: int) -> SpindleSetup:
+    """The main spindle; LineError if nobody can be followed, or can follow."""
     if not x.setup.spindles:
         raise LineError(errors.SPINDLE_NEEDED, column, what=motion, reason="the channel has none")
     setup = x.setup.spindles[x.spindles.main]
@@ -177,6 +188,13 @@ def _spindle(x: Execution, block: CompiledBlock, corner: Corner | None, motion: 
         reason = f"the PLC moves {setup.name}"
         raise LineError(errors.SPINDLE_NEEDED, column, what=motion, reason=reason)
     expect_none(x, motion, column)
+    return setup
+
+
+def _spindle(x: Execution, block: CompiledBlock, corner: Corner | None, motion: str) -> SpindleSetup:
+    """The main spindle; LineError if it cannot be followed, or for what cannot be beside it."""
+    column = block.column(WordKind.AXIS)
+    setup = expect_follower(x, motion, column)
     for word, beside in (
         ("a chamfer or rounding", corner is not None),
         ("E", x.end_feed is not None),
@@ -226,9 +244,13 @@ def _no_way(x: Execution, block: CompiledBlock, motion: str, axis: int) -> LineE
     )  # fmt: skip
 
 
+def _speed_column(block: CompiledBlock) -> int:
+    return block.column(WordKind.SPEED if block.speed >= 0 else WordKind.AXIS)
+
+
 def _expect_possible(
     x: Execution,
-    block: CompiledBlock,
+    column: int,
     motion: str,
     setup: SpindleSetup,
     way: list[float],
@@ -237,7 +259,6 @@ def _expect_possible(
     speed: float,
 ) -> None:
     """LineError if an axis or the spindle cannot go so fast: `velocity` in mm/s for `speed` in rev/min."""
-    column = block.column(WordKind.SPEED if block.speed >= 0 else WordKind.AXIS)
     name = setup.name
     fastest = setup.dynamics.velocity / DEGREES_PER_SECOND
     if speed > fastest * (1.0 + 1e-9):

@@ -143,6 +143,15 @@ NO_ORIENTATION = ErrorEntry(
     remedy="set orient1 in the description of the channel if the machine has one",
     source="NCT programmer's manual line 5278",
 )
+NOT_RIGID = ErrorEntry(
+    324063,
+    "3052 ERROR IN G76, G87: {name} needs a spindle that can follow the drilling axis",
+    remedy="set index1 in the description of the channel if the machine has one",
+    source="NCT programmer's manual line 5493",
+)
+SPEED_MISSING = ErrorEntry(
+    324064, "{name} needs S, the speed of the spindle", remedy="program S before the cycle, or in its block"
+)
 CUT_MISSING = ErrorEntry(
     324052, "{name} needs Q, the depth of a cut", remedy="program Q in the first block of the cycle"
 )

@@ -90,6 +90,19 @@ class DwellHere:
     threads: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Tap:
+    """Along the drilling axis to a level, with the spindle turning by the pitch: clockwise, or the other way round."""
+
+    level: float
+    clockwise: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """The spindle and the drilling axis no longer move together; the spindle stands."""
+
+
 class Spindle(Enum):
     """What the spindle does; by its M function."""
 
@@ -117,7 +130,7 @@ class StepHere:
     """Single block stops here."""
 
 
-Step = Approach | Rapid | Feed | Shift | DwellHere | Turn | OperatorStop | StepHere
+Step = Approach | Rapid | Feed | Tap | Release | Shift | DwellHere | Turn | OperatorStop | StepHere
 
 
 # -- parts that cycles share ---------------------------------------------------------------------------------------
@@ -219,6 +232,27 @@ def counter_tap(hole: Hole) -> Steps:
     yield from _tap(hole, Spindle.COUNTER_CLOCKWISE, Spindle.CLOCKWISE)
 
 
+def _rigid_tap(hole: Hole, clockwise: bool) -> Steps:
+    yield from _to_r(hole)
+    yield Turn(Spindle.ORIENT)
+    yield Tap(hole.z, clockwise)
+    yield Tap(hole.r, not clockwise)
+    yield Release()
+    yield Turn(Spindle.STOP)
+    yield from _out_from_r(hole)
+    yield StepHere()
+
+
+def rigid_tap(hole: Hole) -> Steps:
+    """G84.2: without a floating tap, right-hand."""
+    yield from _rigid_tap(hole, True)
+
+
+def rigid_counter_tap(hole: Hole) -> Steps:
+    """G84.3: left-hand."""
+    yield from _rigid_tap(hole, False)
+
+
 def bore(hole: Hole) -> Steps:
     """G85: in and out with feed."""
     yield from _to_r(hole)
@@ -306,15 +340,16 @@ def back_bore(hole: Hole) -> Steps:
 @dataclass(frozen=True, slots=True)
 class Cycle:
     """A cycle by its G code. `orients`: the spindle has to be able to go to an angle. `turning`: M3 or M4 that it needs
-    before it starts, 0 for none. `cuts`: it needs Q."""
+    before it starts, 0 for none. `cuts`: it needs Q. `rigid`: the spindle follows the axis."""
 
-    code: int
+    code: float
     spec: str
     meaning: str
     steps: Callable[[Hole], Steps]
     orients: bool = False
     turning: int = 0
     cuts: bool = False
+    rigid: bool = False
 
 
 CYCLES = {
@@ -336,6 +371,10 @@ CYCLES = {
         Cycle(82, "nct.cycle.counter-bore-g82", "counter boring, with a dwell", counter_bore),
         Cycle(83, "nct.cycle.peck-g83", "deep hole, out to R between cuts", peck, cuts=True),
         Cycle(84, "nct.cycle.tapping-g84", "thread with a floating tap", tap, turning=3),
+        Cycle(84.2, "nct.cycle.rigid-tapping-g84-2-g84-3", "right-hand thread, rigid tap", rigid_tap, rigid=True),
+        Cycle(
+            84.3, "nct.cycle.rigid-tapping-g84-2-g84-3", "left-hand thread, rigid tap", rigid_counter_tap, rigid=True
+        ),
         Cycle(85, "nct.cycle.boring-g85", "boring, out with feed", bore),
         Cycle(86, "nct.cycle.boring-g86", "boring, out in rapid with the spindle standing", bore_and_stop, turning=3),
         Cycle(
@@ -359,7 +398,7 @@ MANUAL_BORING = Cycle(
 BACK_BORING = Cycle(87, "nct.cycle.back-boring-g87b", "back boring", back_bore, orients=True, turning=3)
 
 
-def cycle_of(code: int, can_orient: bool) -> Cycle | None:
+def cycle_of(code: float, can_orient: bool) -> Cycle | None:
     """The cycle of a G code, None for another code."""
     if code == 87:
         return BACK_BORING if can_orient else MANUAL_BORING

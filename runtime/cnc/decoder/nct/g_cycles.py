@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -12,7 +13,7 @@ from dataclasses import replace
 from runtime.cnc.blocks import Block, ExactStop, ManualKind, ManualMotion, Suppression, Synch, TechnologyFunction, Wait
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.feed import require_feed
-from runtime.cnc.decoder.modal import Motion, Plane
+from runtime.cnc.decoder.modal import FeedMode, Motion, Plane
 from runtime.cnc.decoder.motion import expect_in_range, straight
 from runtime.cnc.decoder.nct import drilling
 from runtime.cnc.decoder.nct.cycle_data import Level, tool_length
@@ -24,10 +25,12 @@ from runtime.cnc.decoder.nct.drilling import (
     Hole,
     OperatorStop,
     Rapid,
+    Release,
     Shift,
     Spindle,
     Step,
     StepHere,
+    Tap,
     Turn,
 )
 from runtime.cnc.decoder.nct.execution import TO_INITIAL, NctExecution
@@ -36,7 +39,9 @@ from runtime.cnc.decoder.nct.goals import goal
 from runtime.cnc.decoder.nct.registry import GCall, Group, g_code
 from runtime.cnc.decoder.outside import WaitForOutside
 from runtime.cnc.decoder.places import begin_where_axes_are
+from runtime.cnc.decoder.setup import SpindleSetup
 from runtime.cnc.decoder.spindles import SpindleWords
+from runtime.cnc.decoder.threads import TURN, expect_stroke, stroke
 from runtime.cnc.language.errors import LineError
 from runtime.diagnostics.catalogue import nct_macros as catalogue
 
@@ -63,9 +68,9 @@ def to_r(x: NctExecution, call: GCall) -> None:
     """The state itself is the active code of the group."""
 
 
-def _register(number: int, *spec: str, meaning: str) -> None:
+def _register(number: float, *spec: str, meaning: str) -> None:
     @g_code(
-        str(number), Group.CYCLE, "nct.cycle.framework", "nct.cycle.modal-data", *spec,
+        f"{number:g}", Group.CYCLE, "nct.cycle.framework", "nct.cycle.modal-data", *spec,
         meaning=meaning, takes=DATA, moves=drill, functions_within=True,
     )  # fmt: skip
     def cycle(x: NctExecution, call: GCall) -> None:
@@ -77,7 +82,7 @@ def _register(number: int, *spec: str, meaning: str) -> None:
 
 def drill(x: NctExecution) -> None:
     """A block in which a cycle is active: holes, if it has an axis word or R (line 5791)."""
-    cycle = drilling.cycle_of(x.active[Group.CYCLE] // 10, x.setup.nct.orient1)
+    cycle = drilling.cycle_of(x.active[Group.CYCLE] / 10, x.setup.nct.orient1)
     assert cycle is not None
     words = x.words
     if not x.axis_words and "R" not in words:
@@ -171,6 +176,8 @@ def _check(x: NctExecution, cycle: Cycle, column: int) -> None:
     data, name = x.cycle, f"G{cycle.code:g}"
     if cycle.orients and not x.setup.nct.orient1:
         raise LineError(catalogue.NO_ORIENTATION, column, name=name)
+    if cycle.rigid:
+        _rigid(x, cycle, column)
     if cycle.cuts and not data.cut:
         raise LineError(catalogue.CUT_MISSING, column, name=name)
     if cycle.turning:
@@ -183,6 +190,22 @@ def _check(x: NctExecution, cycle: Cycle, column: int) -> None:
         hole = _hole(x, cycle, data.axis)
         if (hole.initial - hole.z) * (hole.z - hole.r) <= 0:
             raise LineError(catalogue.BACK_BORING_LEVELS, column)
+
+
+def _rigid(x: NctExecution, cycle: Cycle, column: int) -> tuple[SpindleSetup, float, float]:
+    """Of rigid tapping: the spindle, the feed in mm/min and the pitch in mm. LineError where something is missing."""
+    name = f"G{cycle.code:g}"
+    if not x.setup.nct.index1:
+        raise LineError(catalogue.NOT_RIGID, column, name=name)
+    feed, speed = x.modal.feed or 0.0, x.modal.speed
+    if speed <= 0:
+        raise LineError(catalogue.SPEED_MISSING, column, name=name)
+    per_revolution = x.modal.feed_mode is FeedMode.PER_REVOLUTION
+    pitch = feed if per_revolution else feed / speed
+    way = [0.0] * len(x.setup.axes)
+    hole = _hole(x, cycle, x.cycle.axis)
+    way[x.cycle.axis] = hole.z - hole.r
+    return expect_stroke(x, name, column, way, pitch * speed, speed), pitch * speed, pitch
 
 
 def _machine_level(x: NctExecution, axis: int, level: Level, base: float) -> float:
@@ -265,7 +288,7 @@ def _carry_out(x: NctExecution, cycle: Cycle, axis: int, count: int, *, last: bo
         elif isinstance(step, OperatorStop):
             _by_hand(x, cycle, count, index)
         else:
-            _carry_out_step(x, axis, step)
+            _carry_out_step(x, cycle, axis, step)
     if threads:
         _suppress(x, False)
 
@@ -274,7 +297,7 @@ def _by_hand(x: NctExecution, cycle: Cycle, count: int, index: int) -> None:
     """The operator moves the axes until START. The block is executed once more then, from this step on, where they stand."""
     x.cycle.by_hand = (count, index)
     axes = tuple(range(len(x.setup.axes)))
-    begin_where_axes_are(x, ManualMotion(x.source, ManualKind.EXCLUSIVE, axes), f"G{cycle.code}")
+    begin_where_axes_are(x, ManualMotion(x.source, ManualKind.EXCLUSIVE, axes), f"G{cycle.code:g}")
     if x.again is not None:
         raise WaitForOutside(x.again)
     x.cycle.by_hand = None
@@ -291,11 +314,20 @@ def _approach(x: NctExecution, axis: int) -> None:
         x.axis_words = words
 
 
-def _carry_out_step(x: NctExecution, axis: int, step: Step) -> None:
+def _carry_out_step(x: NctExecution, cycle: Cycle, axis: int, step: Step) -> None:
     if isinstance(step, Rapid):
         _along(x, {axis: step.level}, Motion.RAPID)
     elif isinstance(step, Feed):
         _along(x, {axis: step.level}, Motion.LINEAR)
+    elif isinstance(step, Tap):
+        column = x.words.all[0][0].column
+        setup, feed, pitch = _rigid(x, cycle, column)
+        end = x.coordinates.position.copy()
+        end[axis] = step.level
+        expect_in_range(x, x.words, end)
+        stroke(x, setup, end, feed, math.copysign(TURN / pitch, 1.0 if step.clockwise else -1.0))
+    elif isinstance(step, Release):
+        x.sections.close(x)
     elif isinstance(step, Shift):
         sense = 1.0 if step.away else -1.0
         position = x.coordinates.position
@@ -344,4 +376,4 @@ def _waited_for(block: Block) -> Block:
 
 for _cycle in (*drilling.CYCLES.values(), drilling.MANUAL_BORING):
     _more = (drilling.BACK_BORING.spec,) if _cycle is drilling.MANUAL_BORING else ()
-    _register(round(_cycle.code), _cycle.spec, *_more, meaning=f"drilling cycle: {_cycle.meaning}")
+    _register(_cycle.code, _cycle.spec, *_more, meaning=f"drilling cycle: {_cycle.meaning}")

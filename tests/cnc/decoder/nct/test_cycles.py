@@ -11,8 +11,13 @@ from runtime.cnc.blocks import (
     Block,
     BlockEnd,
     Dwell,
+    DynamicsChange,
     ExactStop,
+    Flush,
     Line,
+    SpindleRole,
+    SpindleSection,
+    SpindleTurn,
     Stop,
     Suppression,
     Technology,
@@ -65,7 +70,8 @@ def drilled(text: str, setup: DecoderSetup = SETUP) -> str:
 
 
 def short(run: Run) -> str:
-    return " ".join(told(block) for block in run.blocks if not isinstance(block, Wait)).removesuffix(" M30")
+    unseen = (Wait, SpindleSection, SpindleTurn, DynamicsChange, Flush)
+    return " ".join(told(block) for block in run.blocks if not isinstance(block, unseen)).removesuffix(" M30")
 
 
 BEGIN = "G90 G17 G0 Z100\nM3 S500\n"
@@ -225,6 +231,23 @@ def test_counter_tapping() -> None:
     )
 
 
+RIGID = with_parameters(index1=True)
+
+
+@spec("nct.cycle.rigid-tapping-g84-2-g84-3")
+@pytest.mark.parametrize(
+    ("cycle", "feed", "turn"), [("G84.2", "F750", 240.0), ("G84.3", "F750", -240.0), ("G95 G84.2", "F1.5", 240.0)]
+)
+def test_rigid_tapping(cycle: str, feed: str, turn: float) -> None:
+    """1.5 mm at 500 rev/min: 240 degrees per mm into the hole, and as much back out of it; then the spindle stands."""
+    run = decode(f"G90 G0 Z100\nS500\n{cycle} X1 Z-5 R3 {feed}\nM30", RIGID)
+    assert run.problem is None
+    assert short(run) == "rZ100 | S500 rX1 | rZ3 | M19 f750:Z-5 f750:Z3 M5 rZ100 |"
+    assert [block.per_mm for block in run.blocks if isinstance(block, SpindleTurn)] == [turn, -turn]
+    roles = [block.role for block in run.blocks if isinstance(block, SpindleSection)]
+    assert roles == [SpindleRole.TAPPING, SpindleRole.FREE]
+
+
 @spec("nct.cycle.fine-boring-g76")
 def test_fine_boring() -> None:
     assert after("G76 X1 I0.5 J-1 Z-5 R3 P1 F100\nX2", ORIENT).startswith(
@@ -250,6 +273,8 @@ ERRORS: list[tuple[str, DecoderSetup, ErrorEntry, int]] = [
     ("G83 X1 Z-5000 R3 Q0.001 F100", SETUP, catalogue.TOO_MANY_CUTS, 1),
     ("G74 X1 Z-5 R3 F100", SETUP, catalogue.SPINDLE_STANDS, 1),
     ("M5 G84 X1 Z-5 R3 F100", SETUP, catalogue.SPINDLE_STANDS, 1),
+    ("G84.2 X1 Z-5 R3 F100", SETUP, catalogue.NOT_RIGID, 1),
+    ("G84.3 X1 Z-5 R3 F100 S0", with_parameters(index1=True), catalogue.SPEED_MISSING, 1),
     ("G76 X1 Z-5 R3 F100", SETUP, catalogue.NO_ORIENTATION, 1),
     ("G76 X1 K1 Z-5 R3 F100", ORIENT, catalogue.SHIFT_LETTER, 8),
     ("G87 X1 Z-5 R-30 F100", ORIENT, catalogue.SHIFT_MISSING, 1),

@@ -17,8 +17,10 @@ from runtime.cnc.decoder.nct.drilling import (
     Hole,
     OperatorStop,
     Rapid,
+    Release,
     Shift,
     StepHere,
+    Tap,
     Turn,
     cuts,
     cycle_of,
@@ -27,7 +29,7 @@ from runtime.cnc.decoder.nct.drilling import (
 HOLE = Hole(initial=100.0, r=3.0, z=-40.0, cut=10.0, lift=2.0, dwell=True)
 
 
-def told(code: int, hole: Hole = HOLE, can_orient: bool = False) -> str:
+def told(code: float, hole: Hole = HOLE, can_orient: bool = False) -> str:
     """A cycle in short: r rapid, f feed, t feed of a thread, M spindle, p dwell, < > shifts, stop, | step."""
     cycle = cycle_of(code, can_orient)
     assert cycle is not None
@@ -42,6 +44,10 @@ def told(code: int, hole: Hole = HOLE, can_orient: bool = False) -> str:
                 words.append(f"r{level:g}")
             case Feed(level, threads):
                 words.append(f"{'t' if threads else 'f'}{level:g}")
+            case Tap(level, clockwise):
+                words.append(f"{'c' if clockwise else 'a'}{level:g}")
+            case Release():
+                words.append("free")
             case Turn(order):
                 words.append(f"M{order.value}")
             case DwellHere():
@@ -61,6 +67,8 @@ WITH_G98 = {
     82: "hole | r3 | f-40 p r100 |",
     83: "hole | r3 | f-7 r3 r-5 f-17 r3 r-15 f-27 r3 r-25 f-37 r3 r-35 f-40 r100 |",
     84: "hole | r3 | t-40 M4 t3 M3 r100 |",
+    84.2: "hole | r3 | M19 c-40 a3 free M5 r100 |",
+    84.3: "hole | r3 | M19 a-40 c3 free M5 r100 |",
     85: "hole | r3 | f-40 f3 r100 |",
     86: "hole | r3 | f-40 M5 r100 M3 |",
     87: "hole | r3 | f-40 M5 stop r100 M3 |",
@@ -75,6 +83,8 @@ WITH_G99 = {
     82: "hole | r3 | f-40 p r3 |",
     83: WITH_G98[83].replace("r100", "r3"),
     84: "hole | r3 | t-40 M4 t3 M3 |",
+    84.2: "hole | r3 | M19 c-40 a3 free M5 |",
+    84.3: "hole | r3 | M19 a-40 c3 free M5 |",
     85: "hole | r3 | f-40 f3 |",
     86: "hole | r3 | f-40 M5 r3 M3 |",
     87: "hole | r3 | f-40 M5 stop r3 M3 |",
@@ -84,12 +94,12 @@ WITH_G99 = {
 
 
 @pytest.mark.parametrize("code", sorted(WITH_G98))
-def test_to_the_initial_point(code: int) -> None:
+def test_to_the_initial_point(code: float) -> None:
     assert told(code) == WITH_G98[code]
 
 
 @pytest.mark.parametrize("code", sorted(WITH_G99))
-def test_to_point_r(code: int) -> None:
+def test_to_point_r(code: float) -> None:
     assert told(code, replace(HOLE, to_initial=False)) == WITH_G99[code]
 
 
@@ -136,7 +146,7 @@ def test_laws_of_a_hole(hole: Hole, cycle: Cycle) -> None:
         if isinstance(step, Rapid):
             assert step.level >= reached - 1e-9
             place = step.level
-        elif isinstance(step, Feed):
+        elif isinstance(step, Feed | Tap):
             assert hole.z - 1e-9 <= step.level <= hole.r + 1e-9
             assert place <= hole.r + 1e-9
             place = step.level
