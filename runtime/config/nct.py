@@ -65,6 +65,9 @@ class NctParameters(Model):
     g: Annotated[dict[int, GCodeNumber], AfterValidator(_callable_g)] = Field(default_factory=dict)  # program: code
     m: Annotated[dict[int, int], AfterValidator(_callable_m)] = Field(default_factory=dict)
     t9034: bool = False  # T calls O9034, its value in #199
+    a9030: bool = False  # A calls O9030, its value in #195, if it is an auxiliary function (miscel)
+    b9031: bool = False  # B calls O9031, its value in #196
+    c9032: bool = False  # C calls O9032, its value in #197
     s9033: bool = False  # S calls O9033, its value in #198
     fgmac: bool = False  # such codes call also within programs that they have called
     i_line: str = ""  # external variable (UNS16) with the inputs #1000 to #1015

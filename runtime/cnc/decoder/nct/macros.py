@@ -34,6 +34,17 @@ EVERY_BLOCK_ARGUMENTS = "GLNP"
 M_ARGUMENTS = "GLP"  # of a user M code (line 6364)
 PROGRAM_FLOW = (2, 30, 99)  # M codes that act also where blocks are arguments
 
+# address → subprogram, and the common variable that gets its value (lines 6389-6438)
+WORD_CALLS = {"T": (9034, 199), "S": (9033, 198), "A": (9030, 195), "B": (9031, 196), "C": (9032, 197)}
+ORDER = "TSABCM"  # in which the subprograms of a block run
+
+
+def _chosen(parameters: NctParameters, address: str) -> bool:
+    """Whether an address calls its subprogram; A, B and C only where they are no axes."""
+    if not getattr(parameters, f"{address.lower()}{WORD_CALLS[address][0]}"):
+        return False
+    return address in "TS" or address in parameters.miscel
+
 
 @dataclass(frozen=True, slots=True)
 class ModalCall:
@@ -50,16 +61,15 @@ class ModalCall:
 class UserCodes:
     """The codes that call programs, as the machine builder has chosen them.
 
-    `g`: tenths of a G code → program, and whether the call is modal; `m_macros`, `m_subprograms`: M code → program. `t`, `s`: T
-    and S call O9034 and O9033. `nested` (FGMAC): also within a program that such a code has called. `modal_every_block`
-    (MODGEQU): modal calls come in the place of each block.
+    `g`: tenths of a G code → program, and whether the call is modal; `m_macros`, `m_subprograms`: M code → program. `words`:
+    address → subprogram, and the common variable that gets its value. `nested` (FGMAC): also within a program that such a code
+    has called. `modal_every_block` (MODGEQU): modal calls come in the place of each block.
     """
 
     g: dict[int, tuple[int, bool]] = field(default_factory=dict)
     m_macros: dict[int, int] = field(default_factory=dict)
     m_subprograms: dict[int, int] = field(default_factory=dict)
-    t: bool = False
-    s: bool = False
+    words: dict[str, tuple[int, int]] = field(default_factory=dict)
     nested: bool = False
     modal_every_block: bool = False
 
@@ -69,8 +79,7 @@ class UserCodes:
             g={tenths_of(abs(code)): (program, code < 0) for program, code in chosen.g.items() if code},
             m_macros={code: program for program, code in chosen.m.items() if program >= 9020},
             m_subprograms={code: program for program, code in chosen.m.items() if program < 9020},
-            t=chosen.t9034,
-            s=chosen.s9033,
+            words={address: call for address, call in WORD_CALLS.items() if _chosen(chosen, address)},
             nested=chosen.fgmac,
             modal_every_block=chosen.modgequ,
         )
@@ -78,7 +87,7 @@ class UserCodes:
     @property
     def any(self) -> bool:
         """There are such codes."""
-        return bool(self.g or self.m_macros or self.m_subprograms or self.t or self.s)
+        return bool(self.g or self.m_macros or self.m_subprograms or self.words)
 
 
 class MacroCalls:
@@ -199,27 +208,24 @@ class MacroCalls:
         self.call(program, 1, arguments, word.column, name)
 
     def _subprograms(self, words: BlockWords) -> None:
-        """T, S and M codes that call a subprogram when everything else of the block is done; T runs first, then S, then M."""
+        """Codes that call a subprogram when everything else of the block is done, in the order of ORDER."""
         x, codes = self._x, self._codes
         found: list[tuple[str, int, int]] = []  # code, program, column
         for word, value in list(words.all):
             if value is None:
                 continue
-            if word.address == "M" and (program := codes.m_subprograms.get(round(value))) is not None:
-                name = f"M{round(value)}"
-            elif word.address == "T" and codes.t:
-                name, program = "T", 9034
-            elif word.address == "S" and codes.s:
-                name, program = "S", 9033
-            else:
+            name, program, variable = word.address, 0, 0
+            if name == "M":
+                name, program = f"M{round(value)}", codes.m_subprograms.get(round(value), 0)
+            elif name in codes.words:
+                program, variable = codes.words[name]
+            if not program or not self._free(name):
                 continue
-            if not self._free(name):
-                continue
-            if word.address != "M":
-                x.variables.write(199 if word.address == "T" else 198, value)
+            if variable:
+                x.variables.write(variable, value)
             words.drop(word)
             found.append((name, program, word.column))
-        for name, program, column in sorted(found, key=lambda call: "TSM".index(call[0][0]), reverse=True):
+        for name, program, column in sorted(found, key=lambda call: ORDER.index(call[0][0]), reverse=True):
 
             def enter(name: str = name, program: int = program, column: int = column) -> None:
                 x.levels.enter(program, column).called_by = name

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from runtime.cnc.blocks import Flush, Technology, TechnologyFunction
+from runtime.cnc.blocks import Flush, Synch, Technology, TechnologyFunction
 from runtime.diagnostics.catalogue import nct
 from runtime.diagnostics.catalogue import nct_macros as catalogue
 from runtime.diagnostics.errors import ErrorEntry
@@ -263,6 +265,19 @@ def test_t_and_s_call_subprograms() -> None:
     assert functions(run) == ["T8", "S3"]
     assert run.value(100) == 300.0
     assert run.decoder.modal.speed == 600.0
+
+
+@spec("nct.macro.subprogram-by-a-b-c")
+def test_auxiliary_addresses_call_subprograms() -> None:
+    base = {"miscel": {"A": 20, "B": 21, "C": 22}}
+    setup = replace(with_parameters(**base, a9030=True, c9032=True), h_synch={21: Synch.MOS, 22: Synch.MOS})
+    run = decode("O0001\nG90 G0 X5 A7 B3 C8\nM30\nO9030\nX[#195+#197]\nM99\nO9032\nX#197 C9\nM99", setup)
+    assert run.problem is None
+    assert run.axis("X") == [5.0, 15.0, 8.0]  # A runs before C
+    put_out = [(f.number, f.value) for f in run.blocks if isinstance(f, TechnologyFunction)]
+    assert put_out == [(21, 3.0), (22, 9.0)]  # B calls nothing, C within its own subprogram neither
+    axis = replace(with_parameters(b9031=True), axes=("X", "Y", "Z", "B"), linear=(True, True, True, False))
+    assert decode("G90 G0 B30\nM30", axis, start=(0.0,) * 4).ends == [(0.0, 0.0, 0.0, 30.0)]
 
 
 @spec("nct.macro.subprogram-by-t-s", "nct.macro.subprogram-by-m-code")
