@@ -142,9 +142,12 @@ class WordBlocks:
             words.take(code.takes)
             if code.modal and code.stage is Stage.SELECT:
                 x.active[code.group] = code.tenths
+        claimed = {a for code in codes if code.group not in (Group.MOTION, Group.CYCLE) for a in code.takes}
         for number, _ in numbers:
             if number in M_CODES:
                 words.take(M_CODES[number].takes)
+                claimed |= M_CODES[number].takes
+        words.claimed = frozenset(claimed)
         self._stage(calls, Stage.SELECT)
         for address, known in WORDS.items():
             value = words.number(address)
@@ -153,7 +156,7 @@ class WordBlocks:
         self._stage(calls, Stage.SET)
         moves_by_code = [call for call in calls if G_CODES[call.tenths].stage is Stage.MOVE]
         mover = x.mover()
-        own = [a for a in mover.takes if a in words]
+        own = [a for a in mover.takes if a in words and a not in claimed]
         words.take(mover.takes)
         self._expect_taken(words)
         x.compensation.follow(x)

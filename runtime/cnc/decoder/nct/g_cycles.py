@@ -85,7 +85,7 @@ def drill(x: NctExecution) -> None:
     cycle = drilling.cycle_of(x.active[Group.CYCLE] / 10, x.setup.nct.orient1)
     assert cycle is not None
     words = x.words
-    if not x.axis_words and "R" not in words:
+    if not x.axis_words and words.of_mover("R") is None:
         _functions(x)
         return
     column = words.all[0][0].column
@@ -93,7 +93,7 @@ def drill(x: NctExecution) -> None:
         raise LineError(catalogue.CYCLE_COMPENSATED, column)
     axis = _choose_axis(x, column)
     _store(x, axis, column)
-    times = words.number("L")
+    times = words.of_mover("L")
     count = 1 if times is None else round(times)
     if count == 0:
         _functions(x)
@@ -133,7 +133,7 @@ def _choose_axis(x: NctExecution, column: int) -> int:
     """The axis that a block drills with; with another one than before the initial point is taken anew."""
     data, axis = x.cycle, drilling_axis(x, column)
     if axis != data.axis:
-        if data.axis >= 0 and "R" not in x.words:
+        if data.axis >= 0 and x.words.of_mover("R") is None:
             raise LineError(catalogue.NO_BOTTOM_OR_R, column)
         if data.axis >= 0:
             data.z = None
@@ -146,22 +146,22 @@ def _store(x: NctExecution, axis: int, column: int) -> None:
     """The data of a block that drills stay for those behind it."""
     words, data = x.words, x.cycle
     letters = SHIFT_LETTERS[x.modal.plane]
-    r = words.number("R")
+    r = words.of_mover("R")
     if r is not None:
         data.r = Level(x.axis_value(axis, r), x.modal.incremental or words.incremental("R"))
     if axis in x.axis_words:
         data.z = Level(x.axis_value(axis, x.axis_words[axis]), x.incremental_words.get(axis, x.modal.incremental))
     for address, name in (("Q", "cut"), ("E", "lift")):
-        value = words.number(address)
+        value = words.of_mover(address)
         if value is not None:
             if value < 0 or (address == "Q" and value == 0):
                 raise LineError(catalogue.CUT_NEGATIVE, words.place(address), address=address, value=value)
             setattr(data, name, x.axis_value(axis, value))
-    dwell = words.number("P")
+    dwell = words.of_mover("P")
     if dwell is not None:
         data.dwell = dwell
     for letter in "IJK":
-        value = words.number(letter)
+        value = words.of_mover(letter)
         if value is None:
             continue
         if letter not in letters:

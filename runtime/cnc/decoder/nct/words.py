@@ -30,7 +30,7 @@ class BlockWords:
     `axis_of` maps addresses to channel axis indices.
     """
 
-    __slots__ = ("_axis_of", "_first", "_taken", "all", "axes", "radius", "signs")
+    __slots__ = ("_axis_of", "_first", "_taken", "all", "axes", "claimed", "radius", "signs")
 
     def __init__(self, words: Iterable[tuple[Word, Value]], axis_of: dict[str, int]) -> None:
         self.all = [(word, value) for word, value in words if value is not None]
@@ -39,6 +39,7 @@ class BlockWords:
         for word, value in self.all:
             self._first.setdefault(word.address, (word, value))
         self._taken: set[str] = set()
+        self.claimed: frozenset[str] = frozenset()  # addresses that belong to other codes than the mover
         self.axes: tuple[tuple[int, int], ...] = tuple(
             (axis_of[word.address], 0) for word, _ in self.all if word.address in axis_of
         )
@@ -53,6 +54,10 @@ class BlockWords:
         self._taken.add(address)
         found = self._first.get(address)
         return None if found is None else found[1]
+
+    def of_mover(self, address: str) -> float | None:
+        """As `number`, for the mover of the block: None if the address belongs to another code of the block (P of M98)."""
+        return None if address in self.claimed else self.number(address)
 
     def needed(self, address: str, entry: ErrorEntry, column: int, **values: object) -> float:
         """The value of an address that has to be there, else LineError with `entry` at `column`."""

@@ -327,6 +327,25 @@ def test_an_axis_word_or_r_drills(word: str) -> None:
 
 
 @spec("nct.cycle.interaction-rules")
+@pytest.mark.parametrize("block", ["G10 L10 P1 R50", "M98 P2 L1", "G65 P2 X7", "G4 P1", "#1=5"])
+def test_words_of_other_codes_drill_nothing_and_are_not_stored(block: str) -> None:
+    text = f"{BEGIN}G82 X1 Z-5 R3 P2 F100\n{block}\nX3\nM30\nO0002\nM99"
+    run = decode(f"O0001\n{text}", SETUP)
+    assert run.problem is None
+    hole = "| rZ3 | f100:Z-5 p2 rZ100 |"
+    dwell = " p1 |" if block == "G4 P1" else ""
+    assert short(run).removeprefix(HEAD) == f"rX1 {hole}{dwell} rX3 {hole}"
+
+
+@spec("nct.cycle.interaction-rules")
+def test_a_hole_in_the_block_of_a_call() -> None:
+    run = decode(f"O0001\n{BEGIN}G82 X1 Z-5 R3 P0.5 F100\nX3 M98 P2 L2\nM30\nO0002\nX4\nM99", SETUP)
+    assert run.problem is None
+    holes = [f"rX{x} | rZ3 | f100:Z-5 p0.5 rZ100 |" for x in (1, 3, 4)]
+    assert short(run).removeprefix(HEAD) == " ".join((*holes, "| rZ3 | f100:Z-5 p0.5 rZ100 |"))
+
+
+@spec("nct.cycle.interaction-rules")
 def test_functions_come_behind_the_positioning_of_the_first_hole() -> None:
     assert after("G91 G81 X1 Z-5 R-97 F100 M8 T7 L2") == (
         "rX1 T7 M8 | rZ3 | f100:Z-2 rZ100 | rX2 | rZ3 | f100:Z-2 rZ100 |"
