@@ -81,6 +81,19 @@ def test_an_exact_stop_at_the_end_of_a_block_is_no_way_through_it(demo: Machine,
     assert driven.alarms == []
 
 
+@pytest.mark.parametrize("delay", [0.0, 0.5])
+def test_a_function_that_is_acknowledged_late_is_no_way_through_the_end_of_its_block(
+    demo: Machine, tmp_path: Path, delay: float
+) -> None:
+    """M50 is MVS_SNS: the path waits for it behind the motion, and stands already where the block ends."""
+    synch = {**demo.channels[0].parameters.m_synch, 50: "MVS_SNS"}
+    driven = make(with_channel(demo, m_synch=synch), tmp_path, M50=delay)
+    driven.operator.single_block_w = True
+    driven.start("%LATE\nN10 G90 G01 F6000 X10 M50\nN20 X20\nN30 X30 M50\nN40 M30\n")
+    assert stops(driven) == [2, 3, 4]
+    assert driven.alarms == []
+
+
 @pytest.mark.spec("chan.single-step")
 def test_without_single_block_no_step_slows_the_path_down(demo: Machine, tmp_path: Path) -> None:
     def seconds(function: str) -> float:

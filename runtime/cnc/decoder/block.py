@@ -161,6 +161,7 @@ class WordBlocks:
         x.end_feed = None
         x.feed_change = None
         x.exact_stop = x.compensation.tangential = x.speed_argument = 0
+        x.stands = False
         x.feed_taken = x.override_off = x.brake_in_front = x.radius_taken = False
         x.values = values
         calls = sorted((self._g_call(slots, values) for slots in block.g), key=_comes_later)
@@ -221,6 +222,7 @@ class WordBlocks:
         end_own_motions(x, exact_stop=motion and bool(x.exact_stop or x.modal.exact_stop))
         for behind in functions.trailing():
             x.emit(behind)
+        x.stands |= functions.waits_behind
         wait_for_jobs(x)
         if block.beside is not None and not block.beside.statement.syntax.name.startswith("SUPPRESS"):
             STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))

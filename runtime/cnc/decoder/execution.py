@@ -190,7 +190,7 @@ class Execution:
         self.report_backups = Backups()
         self.found_file: Path | None = None  # of the last #FILE EXIST
         self.random: Random | None = None  # of V.G.RANDOM, made at its first access
-        self._stands = False  # the block in work has an exact stop
+        self.stands = False  # the path stands behind the motion of the block in work, or may: exact stop, functions
         self._run: list[list[float]] = []
         self._run_feeds: list[float] = []
         self._run_lines: list[int] = []
@@ -230,9 +230,9 @@ class Execution:
         self.out.append(block)
 
     def block_end(self) -> None:
-        """The end of a block with motion, if single block stops behind it. Where the path stands already at an exact stop, a gate
-        of its own stops it."""
-        stands, self._stands = self._stands, False
+        """The end of a block with motion, if single block stops behind it. Where the path stands already, at an exact stop or
+        because a function is not acknowledged, a gate of its own stops it."""
+        stands, self.stands = self.stands, False
         if self.call_shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))
             if stands:
@@ -259,7 +259,7 @@ class Execution:
         rapid = self.setup.exact_stop_after_rapid and self.modal.motion is Motion.RAPID
         if motion and (self.exact_stop or self.modal.exact_stop or rapid):
             self.emit(ExactStop(self.source))
-            self._stands = True
+            self.stands = True
 
     def stepwise(self, run: Polyline) -> Iterable[Block]:
         """A run of moves as it is, or one by one where not every block is a step."""

@@ -21,7 +21,7 @@ from runtime.cnc.interpolator import cycle as c
 from runtime.cnc.interpolator import prediction
 from runtime.cnc.interpolator.lookahead import EXTERNAL_FEED, ORDERS, OVERRIDE, RAPID_OVERRIDE, TURNING
 from runtime.cnc.interpolator.set_point_filter import SetPointFilter
-from runtime.cnc.motion_queue import MAX_AXES, MotionQueue
+from runtime.cnc.motion_queue import MAX_AXES, GateReason, MotionQueue, RecordKind
 from runtime.config.fir_filter import FirFilter
 
 Floats = npt.NDArray[np.float64]
@@ -317,12 +317,27 @@ class Interpolator:
         return bool(self._i[c.AT_GATE]) and self._filter.empty
 
     def open_gate(self) -> None:
-        """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step."""
-        if self._i[c.GATE_INDEX] >= 0:
-            single = self._i[c.GATE_INDEX] == self._i[c.SINGLE_GATE_AT]
-            self._i[c.BLOCKS_RELEASED if single else c.OPENED] = self._i[c.GATE_INDEX]
-            self._i[c.GATE_INDEX] = -1
-            self._i[c.AT_GATE] = 0
+        """Lift the present `gate`, long before it is reached or when standing at it. Takes effect in the next step.
+
+        A block of which the end has a gate of its own, as the path may stand there already, ends once in single block.
+        """
+        gate = int(self._i[c.GATE_INDEX])
+        if gate < 0:
+            return
+        if gate == self._i[c.SINGLE_GATE_AT]:
+            self._i[c.BLOCKS_RELEASED] = gate
+            if gate + 1 < self.queue.written and self._ends_step(gate, gate + 1):
+                self._i[c.OPENED] = max(int(self._i[c.OPENED]), gate + 1)
+        else:
+            self._i[c.OPENED] = gate
+        self._i[c.GATE_INDEX] = -1
+        self._i[c.AT_GATE] = 0
+
+    def _ends_step(self, block_end: int, index: int) -> bool:
+        """Whether the record behind the end of a block is the gate at the end of the same one."""
+        ended, gate = self.queue.record(block_end), self.queue.record(index)
+        step = gate["kind"] == RecordKind.GATE and gate["reason"] == GateReason.STEP
+        return bool(step and ended["line"] == gate["line"] and ended["program"] == gate["program"])
 
     def open_steps(self, gate: int) -> None:
         """Open the ends of steps behind `gate`, which was just opened, up to the next gate of another reason."""

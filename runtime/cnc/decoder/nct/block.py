@@ -174,14 +174,17 @@ class WordBlocks:
             assert mover.moves is not None
             mover.moves(x)
         moved = x.collected > collected or any(isinstance(out, MOTIONS) for out in x.out[since:])
+        x.stands = False
         dwelt = any(isinstance(out, Dwell) for out in x.out[since:])
         if moved and x.stops_here and not x.suppressed.exact_stop:
             x.emit(ExactStop(x.source))
+            x.stands = True
         else:
             x.stop_exactly(moved)
         if not within:
             for behind in functions.trailing():
                 x.emit(behind)
+            x.stands |= functions.waits_behind
         for number, _ in numbers:
             if number in STOPS:
                 x.emit(Stop(x.source, STOPS[number]))
