@@ -11,6 +11,7 @@ from runtime.config.contradictions import Contradiction, Location
 from runtime.config.error_texts import ErrorTexts, ErrorTextsError
 from runtime.config.external import external_mistakes
 from runtime.diagnostics.catalogue import configuration as errors
+from runtime.diagnostics.catalogue import spindle as errors_of_spindles
 from runtime.diagnostics.errors import Place
 
 if TYPE_CHECKING:
@@ -228,6 +229,12 @@ def _spindle_axes(machine: Machine) -> Iterator[Contradiction]:
         for index, spindle in enumerate(channel.parameters.spindel):
             location, place = _origin(channel_index, channel, "spindel", index, "bezeichnung")
             name = spindle.bezeichnung
+            if name not in axes and spindle.optional:
+                wanted = channel.parameters.main_spindle_ax_nr
+                if index == 0 if wanted == 0 else spindle.log_achs_nr == wanted:
+                    values = {"channel": channel.name, "axis": name}
+                    yield Contradiction(errors_of_spindles.MAIN_SPINDLE_ABSENT, location, values, place=place)
+                continue
             if name not in axes:
                 values = {
                     "user": f"Channel {channel.name}",

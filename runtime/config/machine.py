@@ -377,7 +377,19 @@ class Machine(Model):
     def _consistent(self) -> Machine:
         if found := [*inconsistencies(self)]:
             raise ContradictionError(found)
-        return self
+        return self._without_absent_spindles()
+
+    def _without_absent_spindles(self) -> Machine:
+        """Spindles that are optional (P-CHAN-00415) and not described are none of their channel."""
+        known = {axis.name for axis in self.axes}
+        if all(spindle.bezeichnung in known for channel in self.channels for spindle in channel.parameters.spindel):
+            return self
+        channels = []
+        for channel in self.channels:
+            there = tuple(spindle for spindle in channel.parameters.spindel if spindle.bezeichnung in known)
+            parameters = channel.parameters.model_copy(update={"spindel": there})
+            channels.append(channel.model_copy(update={"parameters": parameters}))
+        return self.model_copy(update={"channels": tuple(channels)})
 
     @property
     def drive_nodes(self) -> tuple[tuple[str, int, int], ...]:

@@ -81,6 +81,7 @@ class ChannelMemory:
         self.m_ahead: dict[int, int] = dict(setup.m_ahead)  # 0.1 µm or µs
         self.h_ahead: dict[int, int] = dict(setup.h_ahead)
         self.gears: dict[int, int] = {}  # spindle → stage that was told last
+        self.gear_data: dict[int, int] = {}  # spindle → stage whose data it was given last (G112, M40…M45)
         self.spindle_m_free = setup.spindle_m_free  # V.SPDL.M_FCT_FREE
         self.timers = [0.0] * TIMERS  # ms, V.G.TIMER: what the last #TIMER READ has found
         self.report = ReportCount()

@@ -179,4 +179,5 @@ def argument_of_main(x: Execution, words: SpindleWords, value: float) -> None:
             raise LineError(errors.GEAR_TURNING, column, name=setup.name)
         if value not in range(1, setup.stages + 1):
             raise LineError(errors.GEAR_DATA, column, name=setup.name, stage=value)
+        x.memory.gear_data[spindles.main] = int(value) - 1
         spindles.set(x, spindles.main, SpindleValue.GEAR, value - 1.0, column)

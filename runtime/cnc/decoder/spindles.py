@@ -222,7 +222,7 @@ class Spindles:
 
     def change_gear(self, x: Execution, stage: int) -> None:
         """The stage is told: it counts from here on, also for the programs that follow."""
-        x.memory.gears[self.main] = stage
+        x.memory.gears[self.main] = x.memory.gear_data[self.main] = stage
         if stage < self._setups[self.main].stages:
             x.emit(SpindleSetting(x.source, self.main, SpindleValue.GEAR, float(stage)))
 

@@ -90,6 +90,13 @@ def _spindles(values: _Values) -> Iterator[Contradiction]:
     if value and value not in numbers:
         yield _other(("main_spindle_ax_nr",), value, "log_achs_nr of one of spindel[]",
                      ", ".join(str(number) for number in numbers if number is not None) or "not given")  # fmt: skip
+    for key in ("bezeichnung", "log_achs_nr"):
+        first: dict[object, int] = {}
+        for index, members in sorted(spindles.items()):
+            given = members.get(key)
+            if given is not None and first.setdefault(given, index) != index:
+                about = {"what": f"spindel[{index}].{key}", "value": given, "first": f"spindel[{first[given]}]"}
+                yield Contradiction(errors.PARAMETER_NOT_UNIQUE, ("spindel", index, key), about)
     name = values.get(("main_spindle_name",))
     if name and not str(name).upper().startswith("S"):
         yield _other(("main_spindle_name",), name, "the first letter of a spindle's name", "S")

@@ -48,6 +48,7 @@ class ChannelSpindle(Model):
     m4_prozess_zeit: int = 0  # P-CHAN-00046
     m5_prozess_zeit: int = 0  # P-CHAN-00048
     m19_prozess_zeit: int = 0  # P-CHAN-00042
+    optional: bool = False  # P-CHAN-00415, left out where the machine has no such axis
     plc_control: bool = False  # P-CHAN-00069, the PLC moves it
     autom_range: bool = False  # P-CHAN-00004, the gear stage follows from the speed
     range_way: int = 0  # P-CHAN-00074, 0: the lowest fitting stage, else the highest

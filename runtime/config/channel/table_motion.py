@@ -202,7 +202,7 @@ ROWS = (
     P(361, "vector.radial_acceleration", "REAL64", "0..MAX", 100000000.0, 3310,
       "Radial acceleration limit on curved paths under #VECTOR LIMIT", unit="mm/min² or mm/s² (P-CHAN-00351)", use=Use.USED),
     P(415, "spindel[i].optional", "BOOLEAN", "", False, 3985,
-      "1 = spindle is dropped at start-up if unknown to the system", index=((0, 5),)),
+      "1 = spindle is dropped at start-up if unknown to the system", index=((0, 5),), use=Use.USED),
     P(416, "syn_chk.record_result", "BOOLEAN", "", False, 4316,
       "1 = write checked blocks and errors to a log file", use=Use.HARMLESS),
     P(435, "kasto_techno_output_with_signal", "BOOLEAN", "", False, 2844,

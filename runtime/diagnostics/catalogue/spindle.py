@@ -135,6 +135,12 @@ TURNING_LINEAR = ErrorEntry(
     "Axis {axis}: `turning` belongs to a linear axis, its type is {type}",
     remedy="Take `turning` away, or correct the type.",
 )
+MAIN_SPINDLE_ABSENT = ErrorEntry(
+    313020,
+    "Channel {channel}: its main spindle {axis} is optional, and the machine does not have it",
+    remedy="Make another spindle the main one (main_spindle_ax_nr), or describe the axis.",
+    source="channel parameters, line 3985",
+)
 # told by the cycle
 THREAD_NOT_FOLLOWED = ErrorEntry(
     313100,

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.cnc.blocks import LimitBehaviour, SoftwareLimitChange
+from runtime.cnc.blocks import IndependentMotion, LimitBehaviour, SoftwareLimitChange
 from runtime.cnc.decoder.modulo import modulo_end, wrapped
 from runtime.diagnostics.catalogue import axes as errors
 from runtime.diagnostics.catalogue import language
-from tests.cnc.decoder.programs import SETUP, Run, decode
+from tests.cnc.decoder.programs import SETUP, Run, decode, problems
 
 SETTINGS = replace(
     SETUP,
@@ -272,3 +272,22 @@ def test_a_wrapped_position_is_the_same_place(value: float, low: float, size: fl
     assert low <= inside < low + size
     turns = (value - inside) / size
     assert turns == pytest.approx(round(turns), abs=1e-6)
+
+
+@pytest.mark.spec("isg.axis.bracket-syntax")
+def test_a_bracket_of_an_axis_in_its_forms() -> None:
+    """Case, a missing equals sign, several of them beside words, lines that go on; the keyword stands first."""
+    forms = (
+        "X[INDP_SYN POS=50 FEED=100] Y[INDP_SYN POS=20 FEED=200] G00 Z5",
+        "x[indp_syn pos50 feed100] y[Indp_Syn Pos20 Feed200] G00 Z5",
+        "X[INDP_SYN POS=50 \\\n FEED=100] Y[INDP_SYN \\\nPOS=20 FEED=200] G00 Z5",
+    )
+    told = []
+    for text in forms:
+        run = decode(f"{text}\nM30")
+        assert run.problem is None, run.problem
+        told.append([(b.axis, b.target, b.velocity) for b in run.blocks if isinstance(b, IndependentMotion)])
+    assert told == [[(0, 50.0, pytest.approx(100 / 60)), (1, 20.0, pytest.approx(200 / 60))]] * 3
+    assert decode("G00 X[2 * 5] Y[3]\nM30").ends == [[10.0, 3.0, 0.0]]  # coordinates, and no bracket of commands
+    for wrong in ("X[POS=5 INDP_SYN FEED=100]", "X[FEED=100 INDP_SYN POS=5]", "X[INDP_SYN POS=5 FEED=100"):
+        assert problems(f"{wrong}\nM30"), wrong

@@ -296,3 +296,81 @@ def test_a_stop_of_decoding_is_barred_under_radius_compensation() -> None:
     setup = replace(SETUP, m_synch={**SETUP.m_synch, 15: Synch.MVS_SNS | Synch.FAW_SYNCH})
     assert stream("M15\nM30", setup) == ["M15", "Wait", "Flush"]
     assert refused("G41 G01 X10 F100\nX20 M15\nG40 X30\nM30", setup) is T.FLUSH_BARRED
+
+
+# ---------------------------------------------------------------------------------------------------- both ways to write them
+
+
+@pytest.mark.spec("isg.spdl.command-scope")
+def test_several_spindles_in_a_block_and_one_of_them_without_brackets() -> None:
+    assert stream("S1000 M3 S2[M4 REV500]\nM30") == ["S0.3=1000", "S1.4=500"]
+    assert stream("S[M3 REV700] S2[REV500 M4] S3[M3 REV100]\nM30") == ["S0.3=700", "S1.4=500", "PLC30.3=100"]
+    assert refused("S2=100 M3\nM30") is T.NOT_MAIN_SPINDLE
+    assert refused("M19 S2.POS=10 S100\nM30") is T.NOT_MAIN_SPINDLE
+    assert stream("#MAIN SPINDLE [S2]\nS2=100 M3\nS1[M3 REV50]\nM30") == ["S1.3=100", "S0.3=50"]
+
+
+@pytest.mark.spec("isg.spdl.command-scope", "isg.spdl.specific-syntax")
+@pytest.mark.parametrize(
+    ("inside", "entry"),
+    [
+        ("G33", T.BRACKET_COMMAND),
+        ("G63", T.BRACKET_COMMAND),
+        ("G95", T.BRACKET_COMMAND),
+        ("G96", T.BRACKET_COMMAND),
+        ("G97", T.BRACKET_COMMAND),
+        ("G196=500", T.BRACKET_COMMAND),
+        ("G112", T.BRACKET_COMMAND),
+        ("G331", T.BRACKET_COMMAND),
+        ("G01", T.BRACKET_COMMAND),
+        ("CALLAX", T.BRACKET_UNSUPPORTED),
+        ("PUTAX", T.BRACKET_UNSUPPORTED),
+        ("GET_DYNAMIK_DATA", T.BRACKET_UNSUPPORTED),
+        ("FEED_LINK ON", T.BRACKET_UNSUPPORTED),
+        ("M3 X10", C.ADDRESS_UNKNOWN),
+        ("M3 M4", C.SPINDLE_M_TWICE),
+        ("M3 REV", T.BRACKET_VALUE_MISSING),
+    ],
+)
+def test_what_no_bracket_takes(inside: str, entry: ErrorEntry) -> None:
+    assert refused(f"S2[{inside}]\nM30") is entry
+
+
+@pytest.mark.spec("isg.spdl.command-scope")
+def test_gear_stages_are_for_the_main_spindle_alone() -> None:
+    assert refused("S[M41 REV600]\nM30", geared(automatic=True)) is T.BRACKET_UNSUPPORTED
+
+
+@pytest.mark.spec("isg.spdl.specific-syntax")
+def test_a_bracket_in_its_forms() -> None:
+    setup = replace(SETUP, m_synch={**SETUP.m_synch, 18: Synch.MOS}, h_synch={20: Synch.MOS})
+    together = ["M18@3", "H20@3", "S0.19=500@45/3", "S1.4=5000"]
+    assert stream("S[M3 REV500 M19 POS45 M18 H20] S2[M4 REV5000]\nM30", setup) == together
+    assert stream("s[m3 rev=500 m19 pos=45 m18 h20] s2[M4 Rev5000]\nM30", setup) == together
+    assert stream("S[M3 REV500 \\\nM19 POS45 \\\nM18 H20] S2[M4 \\\nREV5000]\nM30", setup) == together
+    assert stream("S1[M3 REV[2 * 250]] G00 X1\nM30", setup) == ["S0.3=500", "Line", "BlockEnd"]
+    assert stream("#MAIN SPINDLE [S2]\nS[M3 REV1]\nS2[M4 REV2]\nM30", setup) == ["S1.3=1", "S1.4=2"]
+    assert refused("S4[M3 REV1]\nM30", setup) is T.BRACKET_NAME
+    assert refused("S[M3 REV1\nM30", setup) is T.BRACKET_OPEN
+
+
+@pytest.mark.spec("isg.var.spindle-data")
+def test_what_variables_tell_of_each_spindle() -> None:
+    text = (
+        "S300 M3 S2[M4 REV500 POS30]\nG04 S10\nP1=V.SPDL_PROG.SPEED.S P2=V.SPDL_PROG.SPEED.S2 P3=V.SPDL_PROG.SPEED[1]\n"
+        "P4=V.SPDL_PROG.MOVE_CMD.S P5=V.SPDL_PROG.MOVE_CMD.S2 P6=V.SPDL_PROG.MOVE_CMD.S3\n"
+        "P7=V.SPDL_PROG.POSITION.S2 P8=V.SPDL_PROG.DWELL_ROT_COUNT.S P9=V.SPDL_PROG.GEAR_LINK_ACTIVE.S\n"
+        "P10=V.SPDL.LOG_AX_NR.S2 P11=V.SPDL.LOG_AX_NR[2] P12=V.SPDL.PLC_CONTROL.S2 P13=V.SPDL.PLC_CONTROL.S3\n"
+        "P14=V.SPDL.NBR_IN_CHANNEL P15=V.SPDL.M_FCT_FREE P16=EXIST[V.SPDL_PROG.SPEED.S2] P17=EXIST[V.SPDL_PROG.SPEED.S9]\n"
+        "M5\nG112 S2\nP18=V.SPDL_PROG.MOVE_CMD.S P19=V.SPDL_PROG.GEAR_DATA_STEP.S\n"
+        "#MAIN SPINDLE [S2]\nP20=V.SPDL_PROG.SPEED.S P21=V.SPDL_PROG.SPEED.S1\nM30"
+    )
+    run = decode(text, SETUP)
+    assert run.problem is None, run.problem
+    assert run.parameters == {
+        1: 300, 2: 500, 3: 500, 4: 3, 5: 4, 6: 5, 7: 30, 8: 10, 9: 0, 10: 11, 11: 30, 12: 0, 13: 1, 14: 3, 15: 0, 16: 1, 17: 0,
+        18: 5, 19: 2, 20: 500, 21: 300,
+    }  # fmt: skip
+    for name in ("MAX_SPEED", "CONST_CUT_SPEED", "DWELL_ROT_COUNT"):
+        assert refused(f"P1=V.SPDL_PROG.{name}.S2\nM30") is C.VARIABLE_UNSUPPORTED
+    assert refused("V.SPDL_PROG.SPEED.S=5\nM30") is C.VARIABLE_READ_ONLY

@@ -71,9 +71,9 @@ def command(x: Execution, spindle: int) -> float:
     return float(x.spindles.programmed[_index(x, spindle)].command)
 
 
-@variable("V.SPDL_PROG.GEAR_DATA_STEP.<spindle>", _SPEC, "gear stage told last, from 1; 0 before the first")
+@variable("V.SPDL_PROG.GEAR_DATA_STEP.<spindle>", _SPEC, "gear stage of G112 or M40 to M45, from 1; 0 before the first")
 def gear(x: Execution, spindle: int) -> float:
-    return float(x.memory.gears.get(_index(x, spindle), -1) + 1)
+    return float(x.memory.gear_data.get(_index(x, spindle), -1) + 1)
 
 
 @variable("V.SPDL_PROG.DWELL_ROT_COUNT.<spindle>", _SPEC, "revolutions of the last G04 S", unit="rev")

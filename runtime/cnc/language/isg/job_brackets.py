@@ -60,8 +60,8 @@ def _closing(text: str, opening: int) -> int:
 
 
 def _path_axis(addresses: Addresses, name: str, column: int) -> int:
-    """Channel index of an axis; LineError for one that the channel does not have."""
-    index = addresses.axis(name)
+    """Channel index of an axis, whose name may be written small here; LineError for one that the channel does not have."""
+    index = max(addresses.axis(name), addresses.axis(name.upper()))
     if index < 0:
         raise LineError(language.AXIS_UNKNOWN, column, axis=name, axes=", ".join(addresses.axes))
     return index
