@@ -179,7 +179,7 @@ class BlockSearchStage:
         match block:
             case SearchMark():
                 self._source, self._marked = block.source, True
-                if self._target.covered <= 0.0:
+                if self._target.covered <= 0.0 and not self._with_spindle:  # which the block may be about to end
                     yield from self._enter(self._place, self._feed)
             case SearchArea():
                 self._locked = block.locked
@@ -187,6 +187,8 @@ class BlockSearchStage:
                 self._functions.take(block)
             case SpindleSection():
                 self._with_spindle = block.role is not SpindleRole.FREE
+                if self._marked and not self._with_spindle and self._target.covered <= 0.0:
+                    yield from self._enter(self._place, self._feed)
             case Flush():
                 if block.kind is FlushKind.WAIT:
                     yield from self._functions.put_out()
