@@ -141,7 +141,7 @@ def test_the_path_follows_an_override_of_the_spindle(demo: Machine, tmp_path: Pa
     assert run.ids() == []
 
 
-@pytest.mark.spec(SPEC, "isg.add.turn")
+@pytest.mark.spec(SPEC)
 def test_without_it_if_the_program_says_so(demo: Machine, tmp_path: Path) -> None:
     text = f"G90 G00 Z{FROM}\nM3 S600\n#TURN [THREAD_CUT_IGNORE_OV=1]\nG33 Z{TO} K1.5\nG04 0.5\nM30\n"
     run = Followed(demo, text, tmp_path)
@@ -154,7 +154,7 @@ def test_without_it_if_the_program_says_so(demo: Machine, tmp_path: Path) -> Non
     assert run.speed(0) == pytest.approx(300.0)  # behind the thread it counts
 
 
-@pytest.mark.spec(SPEC, "isg.add.turn")
+@pytest.mark.spec(SPEC)
 def test_a_chain_goes_from_pitch_to_pitch_without_a_stop(demo: Machine, tmp_path: Path) -> None:
     text = f"G90 G00 Z{FROM}\nM3 S300\n#TURN [THREAD_CHAIN=1]\nG33 Z28 K2\nZ{TO} K1\nG00 Z{FROM}\nM30\n"
     run = Followed(demo, text, tmp_path)
@@ -179,7 +179,7 @@ def test_a_chain_goes_from_pitch_to_pitch_without_a_stop(demo: Machine, tmp_path
     assert velocity[(way[1:] > 3.0) & (way[1:] < 22.0)].min() >= 2.0  # it brakes behind the border
 
 
-@pytest.mark.spec("isg.turn.thread-actual-speed", "isg.add.turn")
+@pytest.mark.spec("isg.turn.thread-actual-speed")
 def test_the_path_follows_what_is_measured_of_the_spindle(demo: Machine, tmp_path: Path) -> None:
     text = f"G90 G00 Z{FROM}\nM3 S300\n#TURN [THREAD_CUT_ACT_SPEED=1 THREAD_CUT_N_CYCLES=5]\nG33 Z{TO} K2\nM30\n"
     run = Followed(demo, text, tmp_path)

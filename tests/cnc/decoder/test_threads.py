@@ -57,7 +57,7 @@ def test_the_letter_says_along_which_axis_the_pitch_counts() -> None:
     assert shown("M3 S100\nG70\nG33 Z-1 K0.1\nM30")[2] == f"turn {360 / 2.54:g}"
 
 
-@pytest.mark.spec(THREAD, "isg.add.turn")
+@pytest.mark.spec(THREAD)
 def test_a_chain_ends_where_something_else_comes() -> None:
     text = "M3 S100\n#TURN [THREAD_CHAIN=1]\nG33 Z-10 K1\nZ-20 K2\nM10\nZ-30\nM30"
     assert shown(text) == [
