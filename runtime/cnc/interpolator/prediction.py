@@ -183,3 +183,4 @@ def _warm_up() -> None:
         np.zeros((2, COLUMNS)), 1, 0.0, 0.0, scratch(),
     )  # fmt: skip
     time_on_plan(np.zeros((2, COLUMNS)), 1, 0.0, -1.0)
+    ramp_time(1.0, 1.0, 1.0)  # threads ask for it by itself
