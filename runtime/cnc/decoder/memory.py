@@ -33,6 +33,8 @@ from runtime.cnc.tools.offset_table import COMMON, MemoryOffsets, OffsetTable, W
 from runtime.cnc.tools.table import MemoryTools, ToolTable
 from runtime.cnc.tools.tool import Tool
 
+INPUT_UNIT = -6  # beside the common variables: the group of G20 and G21, which outlive the machine
+INCH_INPUT, METRIC_INPUT = 20.0, 21.0
 TIMERS = 128  # counters of #TIMER (line 15524)
 ZERO_OFFSET_SETS = 97  # data sets 0 (G53) to 96 (programming manual line 21179)
 
@@ -99,13 +101,22 @@ class ChannelMemory:
     def read_offsets(self) -> None:
         """Take over what is set in the offset table: when a program starts. Raises OffsetTableError."""
         if not self.common.restored:
-            self.common.restore(self.offsets.variables(self._channel))
+            kept = self.offsets.variables(self._channel)
+            self.common.restore(kept)
+            if INPUT_UNIT in kept:
+                self.inch = kept[INPUT_UNIT] == INCH_INPUT
         for (data_set, name), offset in self.offsets.work_offsets(self._channel).items():
             if name not in self._axes or not COMMON <= data_set < ZERO_OFFSET_SETS:
                 continue
             axis = self._axes.index(name)
             if offset.described == self._described_offset(data_set, axis):
                 (self.common_offset if data_set == COMMON else self.zero_offsets[data_set])[axis] = offset.value
+
+    def select_input(self, inch: bool) -> None:
+        """G20, G21 of an NCT program: it is kept with the common variables."""
+        if inch is not self.inch:
+            self.inch = inch
+            self.common.changed[INPUT_UNIT] = INCH_INPUT if inch else METRIC_INPUT
 
     def keep_variables(self) -> None:
         """Keep the common variables that have changed. Raises OffsetTableError; they are still to be kept then."""

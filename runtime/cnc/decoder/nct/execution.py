@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from runtime.cnc.blocks import Corner, Floats, Source
+from runtime.cnc.blocks import Corner, Floats, Source, Suppression
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.execution import COMPILED_BLOCKS, Execution
 from runtime.cnc.decoder.library import Library as IsgLibrary
@@ -52,11 +52,12 @@ NO_CYCLE, TO_INITIAL = 800, 980  # G80, G98
 
 @dataclass(slots=True)
 class Suppressed:
-    """What #3004 has taken away: the operator's stop and override, the exact stops of the program."""
+    """What #3004 and G63 have taken away: the operator's stop and override, the exact stops of the program."""
 
     feed_stop: bool = False
     override: bool = False
     exact_stop: bool = False
+    tapping: bool = False  # G63
 
 
 class OutOfStepError(Exception):
@@ -148,6 +149,12 @@ class NctExecution(Execution):
     def stop_exactly(self, motion: bool) -> None:
         if not self.suppressed.exact_stop:
             super().stop_exactly(motion)
+
+    def tell_suppression(self, threads: bool = False) -> None:
+        """From this place of the path on: what holds of stop and override; `threads`: within a thread of a cycle."""
+        now = self.suppressed
+        all_of_it = threads or now.tapping
+        self.emit(Suppression(self.source, all_of_it or now.feed_stop, all_of_it or now.override))
 
     def end_of_cycle(self) -> None:
         """G80, or a path condition: what the drilling cycles have stored is deleted, and G98 holds again."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
-from runtime.cnc.blocks import Block, ExactStop, ManualKind, ManualMotion, Suppression, Synch, TechnologyFunction, Wait
+from runtime.cnc.blocks import Block, ExactStop, ManualKind, ManualMotion, Synch, TechnologyFunction, Wait
 from runtime.cnc.decoder.block_functions import Functions
 from runtime.cnc.decoder.feed import require_feed
 from runtime.cnc.decoder.modal import FeedMode, Motion, Plane
@@ -348,10 +348,7 @@ def _suppress(x: NctExecution, threads: bool) -> None:
     """Stop and override have no effect in a thread. The path stands where it begins, so that a stop before keeps it out."""
     if threads:
         x.emit(ExactStop(x.source))
-    suppressed = x.suppressed
-    x.emit(
-        Suppression(x.source, threads or suppressed.feed_stop, threads or suppressed.override)
-    )  # fmt: skip
+    x.tell_suppression(threads)
 
 
 def _turn(x: NctExecution, order: Spindle) -> None:

@@ -87,7 +87,7 @@ def _unit(x: NctExecution, call: GCall, inch: bool) -> None:
     """A programmed unit holds for the programs behind too (line 1624)."""
     x.modal.inch = inch
     if not call.modal:
-        x.memory.inch = inch
+        x.memory.select_input(inch)
 
 
 def _feed_mode(x: NctExecution, mode: FeedMode) -> None:

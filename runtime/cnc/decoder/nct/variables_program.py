@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from runtime.cnc.blocks import Flush, FlushKind, Message, Receiver, Stop, StopKind, Suppression, UserError
+from runtime.cnc.blocks import Flush, FlushKind, Message, Receiver, Stop, StopKind, UserError
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.registry import system_variable, tenths_of, writes
 from runtime.cnc.language.errors import CalculationError
@@ -119,7 +119,7 @@ def suppress(x: NctExecution, variable: int, value: Value) -> None:
     """Stop and override from this place of the path on; exact stops of the blocks behind."""
     bits, now = _whole(variable, value, 7), x.suppressed
     now.feed_stop, now.override, now.exact_stop = bool(bits & FEED_STOP), bool(bits & OVERRIDE), bool(bits & EXACT_STOP)
-    x.emit(Suppression(x.source, now.feed_stop, now.override))
+    x.tell_suppression()
 
 
 @system_variable(3007, None, "nct.sysvar.status-and-counters", meaning="mirrored axes: bit 0 is the first axis")

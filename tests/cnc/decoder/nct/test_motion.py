@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.cnc.blocks import Arc, Block, Dwell, ExactStop, Line, Polyline
+from runtime.cnc.blocks import Arc, Block, Dwell, ExactStop, Line, Polyline, Suppression
 from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.setup import DecoderSetup
+from runtime.cnc.tools.offset_table import MemoryOffsets
 from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import nct as C  # noqa: N812
 from tests.cnc.decoder.nct.programs import SETUP, Run, decode
@@ -204,6 +205,13 @@ def test_the_unit_outlives_the_program() -> None:
     assert decode("G0 X1\nM30\n", memory=memory).ends == [[1, 0, 0]]
 
 
+@pytest.mark.spec("nct.config.inch-metric-g20-g21")
+def test_the_unit_outlives_the_machine() -> None:
+    offsets = MemoryOffsets()
+    decode("G20 G0 X1\nM30\n", memory=ChannelMemory(SETUP, offsets=offsets))
+    assert decode("G0 X1\nM30\n", memory=ChannelMemory(SETUP, offsets=offsets)).ends == [[INCH, 0, 0]]
+
+
 @pytest.mark.spec("nct.feed.clamp")
 def test_the_feed_of_an_axis_is_limited_quietly() -> None:
     setup = with_nct(feedmax={"X": 100 / 60, "Z": 10 / 60})
@@ -247,6 +255,26 @@ def test_exact_stop() -> None:
     assert "".join(stops("G9\nG1 X1 F100\nG4 P1\n")) == "M"
     assert "".join(stops("G0 X1\nX2\nG1 X3 F100\n", poscheck=True)) == "M|M|M"
     assert "".join(stops("G0 X1\nX2\n")) == "MM"
+
+
+@pytest.mark.spec("nct.feed.override-inhibit-g63")
+def test_stop_and_override_have_no_effect_in_g63() -> None:
+    def of(text: str) -> list[object]:
+        run = decode(text)
+        assert run.problem is None
+        found: list[object] = []
+        for block in run.blocks:
+            if isinstance(block, Suppression):
+                found.append((block.feed_stop, block.override))
+            elif isinstance(block, Line | Polyline | ExactStop):
+                found.append(type(block).__name__)
+        return found
+
+    move, both, none = "Line", (True, True), (False, False)
+    assert of("G1 X1 Z1 F100\nG63 X2\nG63 G91 X1\nG64 X1\n") == [move, both, move, move, none, move]
+    assert of("G63\nG61 G1 X1 F100\n") == [both, none, move, "ExactStop"]
+    # what #3004 has taken away stays so behind G63
+    assert of("#3004=2\nG63\n#3004=0\nG64\n") == [(False, True), both, both, none]
 
 
 # -- polar ---------------------------------------------------------------------------------------------------------

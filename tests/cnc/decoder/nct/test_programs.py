@@ -10,8 +10,10 @@ import pytest
 
 from runtime.cnc.blocks import SearchMark, StopKind, Synch
 from runtime.cnc.decoder import DecoderSetup, ProgramErrors, load_program, look_through
+from runtime.cnc.decoder.memory import ChannelMemory
 from runtime.cnc.decoder.nct.decoder import NctDecoder
 from runtime.cnc.decoder.nct.program import NctProgram
+from runtime.cnc.decoder.nct.registry import Group
 from runtime.cnc.search_target import BlockSearch, SearchKind
 from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import language
@@ -221,6 +223,43 @@ def test_a_loop_without_output_does_not_hold_anybody() -> None:
     problem = decode("N1 G90\nM99\n", idle_limit=1000).problem
     assert problem is not None
     assert problem.entry is language.ENDLESS_LOOP
+
+
+# -- what holds at the start ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.spec("nct.lexis.g-code-groups", "nct.config.initial-state")
+def test_what_holds_at_program_start() -> None:
+    active = decode("M30\n", replace(SETUP, nct=NctParameters())).decoder.execution.active
+    marked = {  # the starred codes of the table; where several have a star, those of `codes`
+        Group.MOTION: 0, Group.PLANE: 170, Group.DIMENSION: 900, Group.FEED_MODE: 940, Group.UNIT: 210,
+        Group.COMPENSATION: 400, Group.LENGTH: 490, Group.CYCLE: 800, Group.RETURN_LEVEL: 980, Group.SCALING: 500,
+        Group.WORK_OFFSET: 540, Group.FEED_CONTROL: 640, Group.ROTATION: 690, Group.POLAR: 150, Group.MIRROR: 501,
+    }  # fmt: skip
+    assert {group: active.get(group) for group in marked} == marked
+    chosen = NctParameters(codes=("G01", "G18", "G20", "G91", "G95"), feed=5.0)
+    x = decode("M30\n", replace(SETUP, nct=chosen)).decoder.execution
+    groups = (Group.MOTION, Group.PLANE, Group.UNIT, Group.DIMENSION, Group.FEED_MODE)
+    assert [x.active[group] for group in groups] == [10, 180, 200, 910, 950]
+
+
+@pytest.mark.spec("nct.config.initial-state", "nct.mh.program-control-m00-m30")
+def test_what_a_program_leaves_behind() -> None:
+    """Shifts, compensation, cycles and modal codes end with M30; offsets, #500 and the unit of the input stay, #100 too."""
+    memory = ChannelMemory(SETUP)
+    first = (
+        "G20 G10 L2 P1 X1\nG52 X5\nG92 Y3\nG91 G16 G61 G95 F1 S100\n#100=7\n#500=8\n#3003=1\n#3004=3\n"
+        "G98 G81 G90 X1 Y2 Z-1 R1 F0.1\nM30\n"
+    )
+    assert decode(first, memory=memory).problem is None
+    run = decode("#1=#3003+#3004\nG0 X2 Y[#100+#500+#1]\nX3\nM30\n", memory=memory)
+    assert run.problem is None
+    inch = 25.4
+    assert run.ends == [pytest.approx([3 * inch, 15 * inch, 0]), pytest.approx([4 * inch, 15 * inch, 0])]  # G54 X1 inch
+    assert not run.of_type("dwell")
+    missing = decode("G1 X1\nM30\n", memory=memory).problem  # the feed begins anew
+    assert missing is not None
+    assert missing.entry is language.FEED_MISSING
 
 
 # -- search, look through ------------------------------------------------------------------------------------------
