@@ -501,6 +501,9 @@ class VectorSettings:
     least_gap: float = 0.0  # mm: of two vectors nearer to each other in both axes, one is left out
     checked: bool = True  # motions against their programmed direction are found,
     repaired: bool = False  # and vectors left out until there are none
+    inside_feed: float = (
+        1.0  # on an arc that the tool follows on its inside F holds at the contour, at least this share of it
+    )
 
 
 @dataclass(frozen=True, slots=True)

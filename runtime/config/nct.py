@@ -79,6 +79,7 @@ class NctParameters(Model):
     raddif: Length = 0.01  # by which the radii at start and end of an arc may differ
     helicalf: bool = False  # F holds on the path of a helix, and not on its circle
     second: bool = False  # G04 P are always seconds
+    circover: Annotated[float, Field(gt=0, le=100)] = 10.0  # %: least share of F inside an arc with cutter compensation
     poscheck: bool = False  # exact stop behind G00
     feedmax: dict[str, Velocity] = Field(default_factory=dict)  # axis -> greatest feed, without override
     miscel: dict[RotaryAddress, Annotated[int, Field(ge=0)]] = Field(default_factory=dict)  # address -> H function

@@ -414,7 +414,8 @@ class VectorRun:
         assert self._here is not None
         block = front.block
         here = self._in_plane(self._here)
-        yield from in_pieces(block, self._here, self._way(front, here), self._plane, block.feed, block.end)
+        way = self._at_contour(block, here, self._way(front, here))
+        yield from in_pieces(block, self._here, way, self._plane, block.feed, block.end)
         place = block.end.copy()
         place[list(self._plane)] = front.ends[0].end
         yield from in_pieces(block, place, front.ends[1:], self._plane, block.feed)
@@ -428,6 +429,18 @@ class VectorRun:
                 self._here = end
             else:
                 yield other
+
+    def _at_contour(self, block: Line | Arc, begin: Point, way: list[Piece]) -> list[Piece]:
+        """Inside an arc the tool goes slower than F, so that F holds at the contour (VectorSettings.inside_feed)."""
+        least = self._settings.inside_feed
+        if not isinstance(block, Arc) or least >= 1.0:
+            return way
+        slowed = []
+        for piece in way:
+            share = 1.0 if piece.centre is None else math.dist(begin, piece.centre) / block.radius
+            slowed.append(piece if share >= 1.0 else replace(piece, feed=block.feed * max(share, least)))
+            begin = piece.end
+        return slowed
 
     def _way(self, motion: _Motion, begin: Point) -> list[Piece]:
         """The tool path of a motion itself."""

@@ -23,7 +23,9 @@ class VectorSelection(Compensation):
 
     def __init__(self, parameters: NctParameters) -> None:
         super().__init__()
-        self.settings = VectorSettings(parameters.deltv, parameters.interfer, not parameters.anglal)
+        self.settings = VectorSettings(
+            parameters.deltv, parameters.interfer, not parameters.anglal, parameters.circover / 100.0
+        )
         self.radius = 0.0
         self.direction: tuple[float, float] | None = None  # of the auxiliary line in the block in work, on the machine
         self._now: Told = (False, 0.0)
