@@ -79,6 +79,10 @@ class NctParameters(Model):
     raddif: Length = 0.01  # by which the radii at start and end of an arc may differ
     helicalf: bool = False  # F holds on the path of a helix, and not on its circle
     second: bool = False  # G04 P are always seconds
+    ctsurfsp: Annotated[float, Field(ge=0)] = 0.0  # m/min: constant surface speed of G96 before a program has given one
+    axis: Literal["X", "Y", "Z", "U", "V", "W", "A", "B", "C"] = (
+        "X"  # whose place G96 takes, before a program has given P
+    )
     circover: Annotated[float, Field(gt=0, le=100)] = 10.0  # %: least share of F inside an arc with cutter compensation
     poscheck: bool = False  # exact stop behind G00
     feedmax: dict[str, Velocity] = Field(default_factory=dict)  # axis -> greatest feed, without override

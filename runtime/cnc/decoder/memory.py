@@ -25,6 +25,7 @@ import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.common_variables import CommonVariables
+from runtime.cnc.decoder.nct.surface_speed import PER_METRE, SurfaceSettings
 from runtime.cnc.decoder.setup import DecoderSetup, Pairs
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.geometry.control_areas import ControlArea
@@ -93,6 +94,7 @@ class ChannelMemory:
         self.timer_begin = 0.0  # ms of the runtime at which #3001 would be 0
         self.control_areas: dict[int, ControlArea] = {}  # defined by #CONTROL AREA
         self.active_areas: list[int] = []  # in the order of their selection
+        self.surface = SurfaceSettings(setup.nct.ctsurfsp * PER_METRE, setup.nct.axis)  # G96, G92 S of NCT programs
         self.inch: bool | None = None  # G20, G21 of NCT programs, None until one has said it
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so

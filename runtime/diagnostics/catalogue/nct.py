@@ -98,6 +98,11 @@ CORNER_DEFINITION = ErrorEntry(
     remedy="a chamfer or rounding stands between two of G01, G02, G03 in the plane",
 )
 CORNER_HIGH = ErrorEntry(321012, "3084 ,C ,R TOO HIGH: it does not fit between the motions", remedy="make it smaller")
+SURFACE_SPINDLE = ErrorEntry(
+    321013,
+    "G96 needs a spindle that the control moves",
+    remedy="configure the main spindle of the channel, or let the PLC do it",
+)
 
 # -- subprograms ---------------------------------------------------------------------------------------------------
 

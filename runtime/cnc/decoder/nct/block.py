@@ -16,7 +16,7 @@ from runtime.cnc.decoder.motion import POSITION_LIMIT
 from runtime.cnc.decoder.nct.corners import corner_of
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.frames import Frame
-from runtime.cnc.decoder.nct.functions import functions_of, m_numbers
+from runtime.cnc.decoder.nct.functions import functions_of, m_numbers, speed_of_end
 from runtime.cnc.decoder.nct.registry import G_CODES, M_CODES, TABLE, WORDS, GCall, Group, Stage, number_text, tenths_of
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.language.errors import LineError
@@ -79,7 +79,7 @@ class WordBlocks:
         motion, feed = modal.motion, modal.feeds.get(FeedMode.PER_MINUTE)
         end = coordinates.position.copy()
         gain, shift = coordinates.gain, coordinates.shift
-        if x.nct.feedmax:
+        if x.nct.feedmax or x.surface.on:
             return False
         assert block.constants is not None
         for word, value in zip(block.words, block.constants, strict=True):
@@ -167,6 +167,8 @@ class WordBlocks:
         if not within:
             for before in functions.leading():
                 x.emit(before)
+        if moves:
+            x.surface.before_motion(x)
         since, collected = len(x.out), x.collected
         for call in moves_by_code:
             G_CODES[call.tenths].handler(x, call)
@@ -175,6 +177,8 @@ class WordBlocks:
             mover.moves(x)
         moved = x.collected > collected or any(isinstance(out, MOTIONS) for out in x.out[since:])
         x.stands = False
+        if moves and x.modal.motion is Motion.RAPID and x.surface.acts(x):
+            x.out[since:since] = speed_of_end(x)
         dwelt = any(isinstance(out, Dwell) for out in x.out[since:])
         if moved and x.stops_here and not x.suppressed.exact_stop:
             x.emit(ExactStop(x.source))
@@ -220,7 +224,7 @@ class WordBlocks:
         x.exact_stop = 0
         x.override_off = x.brake_in_front = False
         x.actions = []
-        x.stops_here = False
+        x.stops_here = x.speed_taken = False
         x.corner = None
 
     def _once(self, words: BlockWords) -> None:

@@ -25,6 +25,7 @@ from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.macros import MacroCalls, UserCodes
 from runtime.cnc.decoder.nct.names import namespace
 from runtime.cnc.decoder.nct.registry import G_CODES, GCall, GCode, Group, find_variable
+from runtime.cnc.decoder.nct.surface_speed import SurfaceSpeed
 from runtime.cnc.decoder.nct.used_registers import UsedRegisters
 from runtime.cnc.decoder.nct.variables import Variables
 from runtime.cnc.decoder.nct.vector_selection import VectorSelection
@@ -100,6 +101,8 @@ class NctExecution(Execution):
         self.variables = Variables(memory.common, lambda: self.stack[-1].locals, self.read_system, self.write_system)
         self.in_step = False  # the path has come to the block in work
         self.polar_angle: float | None = None  # of the last point that was programmed by one, degrees
+        self.surface = SurfaceSpeed(memory.surface)
+        self.speed_taken = False  # S of the block in work is no speed: G92
         self.stops_here = False  # G09 in the block in work
         self.corner: Corner | None = None  # of ,C or ,R of the block in work
         self.sequence_number = 0  # the last N word

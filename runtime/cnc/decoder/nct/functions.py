@@ -5,16 +5,19 @@ M06 ─ T ─ M11…M18 ─ S ─ M03 M04 M05 M19 ─ M07 M08 M09 ─ other M �
 
 from __future__ import annotations
 
-from runtime.cnc.blocks import Technology
+from runtime.cnc.blocks import Block, Technology
 from runtime.cnc.decoder.block_functions import Functions, put_out, put_out_tool
 from runtime.cnc.decoder.nct.auxiliary import put_out_auxiliary
 from runtime.cnc.decoder.nct.execution import NctExecution
+from runtime.cnc.decoder.nct.surface_speed import TURNING
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.decoder.spindles import SpindleWords
 from runtime.cnc.language.errors import LineError
+from runtime.cnc.language.motion_words import WordKind
 from runtime.diagnostics.catalogue import language
 from runtime.diagnostics.catalogue import nct as catalogue
 
+CHANGE = 1e-4  # share by which a speed has to change to be ordered anew
 MOST_M = 5  # in a block (line 2846)
 TOOL_CHANGE, ORIENTATION = 6, 19
 GEARS = range(11, 19)
@@ -59,8 +62,12 @@ def functions_of(x: NctExecution, words: BlockWords, numbers: list[tuple[int, in
     functions = Functions(x.source)
     spindle = SpindleWords(words.place("S"))
     speed = words.number("S")
-    if speed is not None:
-        spindle.speed = speed
+    if speed is not None and not x.speed_taken:
+        if x.surface.on:
+            x.surface.take_velocity(x, speed)
+            spindle.speed = x.surface.speed(x) if x.surface.acts(x) else None
+        else:
+            spindle.speed = speed
     for number, column in numbers:
         if number in SPINDLE or number == ORIENTATION:
             if not x.spindles.programmed:
@@ -70,6 +77,8 @@ def functions_of(x: NctExecution, words: BlockWords, numbers: list[tuple[int, in
                 spindle.position, spindle.angle = True, 0.0
             else:
                 spindle.command = number
+                if number in TURNING and x.surface.on and x.surface.settings.velocity:
+                    spindle.speed = x.surface.speed(x)
     for group in range(1, 7):
         if group == 2:
             _tool(x, functions, words)
@@ -85,6 +94,17 @@ def functions_of(x: NctExecution, words: BlockWords, numbers: list[tuple[int, in
         if number in PROGRAM_CONTROL and number not in ENDS and number in x.memory.m_synch:
             put_out(x, functions, Technology.M, number, 0.0, column)
     return functions
+
+
+def speed_of_end(x: NctExecution) -> list[Block]:
+    """What is put out in front of a rapid motion that was decoded: with G96 the speed that belongs to its end."""
+    state = x.spindles.main_programmed
+    speed = x.surface.speed(x)
+    if abs(speed - state.speed) <= CHANGE * state.speed:
+        return []
+    functions = Functions(x.source)
+    x.spindles.order(x, functions, x.spindles.main, SpindleWords(x.words.column(WordKind.AXIS), speed=speed))
+    return [*functions.leading(), *functions.trailing()]
 
 
 def _tool(x: NctExecution, functions: Functions, words: BlockWords) -> None:

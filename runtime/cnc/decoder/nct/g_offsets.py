@@ -148,9 +148,13 @@ def offset_changed(x: NctExecution, number: int) -> None:
 )  # fmt: skip
 def new_system(x: NctExecution, call: GCall) -> None:
     """The shift acts in all work systems; it takes a local shift of its axes away."""
-    if "S" in x.words:
-        raise LineError(nct.NOT_SUPPORTED, x.words.place("S"), what="the speed limit G92 S")
+    limit = x.words.number("S")
+    if limit is not None:
+        x.surface.take_limit(limit, x.words.place("S"))
+        x.speed_taken = True
     words = x.axes()
+    if not words and limit is not None:
+        return
     if not words:
         raise LineError(catalogue.AXIS_WANTED, call.column, what="G92")
     c = x.coordinates

@@ -208,10 +208,6 @@ def test_they_need_an_axis(word: str) -> None:
     assert found(f"N1 {word}") == (nct_offsets.AXIS_WANTED, 1, 4)
 
 
-def test_the_speed_limit_is_refused() -> None:
-    assert found("G92 S100") == (nct.NOT_SUPPORTED, 1, 5)
-
-
 # ---------------------------------------------------------------------------------------------------- reference points
 
 
