@@ -25,8 +25,8 @@ import numpy as np
 
 from runtime.cnc.blocks import Floats, Synch
 from runtime.cnc.decoder.common_variables import CommonVariables
-from runtime.cnc.decoder.nct.surface_speed import PER_METRE, SurfaceSettings
 from runtime.cnc.decoder.setup import DecoderSetup, Pairs
+from runtime.cnc.decoder.surface_settings import PER_METRE, SurfaceSettings
 from runtime.cnc.decoder.user_variables import Scope
 from runtime.cnc.geometry.control_areas import ControlArea
 from runtime.cnc.language.isg.compiler import Parameters

@@ -10,11 +10,11 @@ It acts while the spindle turns by M03 or M04. Surface speed, axis and greatest 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from runtime.cnc.blocks import CuttingSpeed
 from runtime.cnc.decoder.modal import INCH, Motion
+from runtime.cnc.decoder.surface_settings import PER_METRE, SurfaceSettings
 from runtime.cnc.language.errors import LineError
 from runtime.cnc.turning_speed import turning_speed
 from runtime.diagnostics.catalogue import nct as catalogue
@@ -23,18 +23,9 @@ if TYPE_CHECKING:
     from runtime.cnc.decoder.nct.execution import NctExecution
 
 AXES = "XYZUVWABC"  # by P from 1 on
-PER_METRE, PER_FOOT = 1000.0, 12.0 * INCH  # mm
+PER_FOOT = 12.0 * INCH  # mm
 DEGREES_PER_SECOND = 6.0  # per rev/min
 TURNING = (3, 4)
-
-
-@dataclass(slots=True)
-class SurfaceSettings:
-    """What outlives programs: `velocity` in mm/min, `axis` by its address, `limit` in rev/min, 0 for none."""
-
-    velocity: float = 0.0
-    axis: str = "X"
-    limit: float = 0.0
 
 
 class SurfaceSpeed:
