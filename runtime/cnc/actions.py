@@ -37,11 +37,12 @@ class Told(NamedTuple):
 
 
 class Warned(NamedTuple):
-    """A warning of the program."""
+    """A warning of the program, or (with the number of its entry in the catalogue) one about it."""
 
     text: str
     program: str
     line: int
+    number: int = 0
 
 
 class Actions:
@@ -72,8 +73,9 @@ class Actions:
         """Once per cycle: take over what decoder and PLC tell, hand messages to the PLC and look what it has taken."""
         while self._told.waiting and self._port.waiting < LIMIT:
             number, report = self._told.take()
-            if report.kind is ReportKind.WARNING:
-                self._on_warning(Warned(report.text, report.program, report.line))
+            if report.kind is not ReportKind.MESSAGE:
+                number = report.receiver if report.kind is ReportKind.NOTICED else 0
+                self._on_warning(Warned(report.text, report.program, report.line, number))
                 continue
             if report.receiver == _PLC:
                 self._port.put(Waiting(report.text, report.information, number))

@@ -43,7 +43,7 @@ from runtime.cnc.suppression import Suppression
 from runtime.cnc.synchronous_spindle import SynchronousSpindle
 from runtime.cnc.technology import TechnologyFunctions, TechnologySettings, Travel
 from runtime.diagnostics.catalogue import CATALOGUE, machine
-from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction
+from runtime.diagnostics.errors import ErrorEntry, Place, Problem, Reaction, Severity
 from runtime.diagnostics.events import Event, EventKind, EventRing
 from runtime.drives import DriveImage
 from runtime.hli.block_search import SearchPartner
@@ -628,8 +628,9 @@ class Channel:
         )
 
     def _tell_warning(self, warning: Warned) -> None:
-        place = Place(warning.program, warning.line)
-        self.problems.append(Problem(machine.USER_WARNING, {"text": warning.text}, place))
+        entry = CATALOGUE.get(warning.number, machine.USER_WARNING)
+        told = ErrorEntry(entry.id, "{text}", Severity.WARNING, Reaction.NONE, entry.remedy)
+        self.problems.append(Problem(told, {"text": warning.text}, Place(warning.program, warning.line)))
 
     @property
     def _n(self) -> int | None:

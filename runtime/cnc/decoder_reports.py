@@ -28,10 +28,11 @@ class ReportKind(IntEnum):
 
     MESSAGE = 0
     WARNING = 1  # #ERROR without consequences
+    NOTICED = 2  # a warning of the decoder or of a stage behind it
 
 
 class Report(NamedTuple):
-    """One of them; `receiver` is the position in `blocks.Receiver`."""
+    """One of them; `receiver` is the position in `blocks.Receiver`, of NOTICED the number of the warning."""
 
     kind: ReportKind
     text: str

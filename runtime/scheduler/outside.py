@@ -18,6 +18,7 @@ from runtime.cnc.decoder_reports import Report, ReportKind
 from runtime.cnc.preparation_link import PreparationLink
 from runtime.config.error_texts import ErrorTexts
 from runtime.config.machine import Machine
+from runtime.diagnostics.errors import Problem
 from runtime.hli.external import external_area
 from runtime.hli.layout import Hli
 from runtime.hli.timers import Timers
@@ -126,6 +127,11 @@ class RunningMachine:
         source = error.source
         text = self.error_texts.describe(error)
         self._put(Report(ReportKind.WARNING, text, source.program, source.line, source.n))
+
+    def warn(self, problem: Problem) -> None:
+        """Tell a warning of the decoder, or of a stage behind it, where the errors of the machine are told."""
+        place = problem.place
+        self._put(Report(ReportKind.NOTICED, problem.text, place.file, place.line, None, problem.entry.id))
 
     def _put(self, report: Report) -> int:
         self._number += 1

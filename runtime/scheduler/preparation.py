@@ -37,12 +37,13 @@ from runtime.cnc.stages import prepared
 from runtime.cnc.tools.offset_table import OffsetTable
 from runtime.cnc.tools.table import ToolTable
 from runtime.config.machine import Machine
-from runtime.diagnostics.errors import TandemError
+from runtime.diagnostics.errors import Problem, TandemError
 from runtime.hli.layout import Mode
 from runtime.scheduler.outside import RunningMachine
 from runtime.scheduler.run_ahead import RunAhead
 
 BATCH = 256  # records between two looks at the link
+MOST_WARNINGS = 20  # told per program; a check tells all of them
 Source = Callable[[StartOrder, RunningMachine], Iterator[Block]]
 
 
@@ -88,6 +89,8 @@ class Preparation:
         self._program: AnyProgram | None = None
         self._blocks_folder: tempfile.TemporaryDirectory[str] | None = None  # for NC blocks that are no file
         self.decoder: AnyDecoder | None = None  # of the last program, for its parameters
+        self._warnings: list[Problem] = []  # of the stages behind the decoder
+        self._warned = [0, 0]  # how many of the decoder's, and of these, were told
 
     def poll(self) -> PumpState:
         """FULL, FLUSH: waits for the cycle. HELD: the decoder waits for the outside. FINISHED: nothing to do.
@@ -113,8 +116,10 @@ class Preparation:
         try:
             state = self._writer.pump(self._blocks, BATCH if self._run_ahead.unlimited else 1)
         except TandemError as error:
+            self._tell_warnings()
             self._fail(error)
             return PumpState.FINISHED
+        self._tell_warnings()
         self._link.set_holds(state is PumpState.HELD)
         if state is PumpState.FLUSH:
             self._flushes += 1
@@ -143,6 +148,7 @@ class Preparation:
         order = self._link.read_start()
         self.close()
         self._flushes = 0
+        self._warnings, self._warned = [], [0, 0]
         self._memory.came_to_end = order.after_end
         try:
             source = self._source(order, self._outside)
@@ -151,7 +157,7 @@ class Preparation:
             return
         limits = SoftwareLimits.of(self._machine, self._channel)
         joints = MicroJointSettings.of(self._machine.channels[self._channel].parameters)
-        blocks = prepared(source, self._axis_limits, limits, self._late, joints=joints)
+        blocks = prepared(source, self._axis_limits, limits, self._late, warnings=self._warnings, joints=joints)
         if order.search is not None:
             begin = order.start if order.begin is None else order.begin
             search = BlockSearchStage(order.search, Path(order.program).name, begin, self._standing, self._ordered)
@@ -214,6 +220,15 @@ class Preparation:
         if self._on_block is not None:
             self._on_block(block)
         return (block,)
+
+    def _tell_warnings(self) -> None:
+        """What the decoder and the stages have warned of since the last look, as far as not too many were told."""
+        decoded = self.decoder.warnings if self.decoder is not None else []
+        for which, warnings in enumerate((decoded, self._warnings)):
+            for problem in warnings[self._warned[which] :]:
+                if sum(self._warned) < MOST_WARNINGS:
+                    self._outside.warn(problem if self._program is None else located(self._program, problem))
+                self._warned[which] += 1
 
     def _fail(self, error: TandemError) -> None:
         self._blocks = None
