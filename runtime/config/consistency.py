@@ -11,6 +11,7 @@ from runtime.config.contradictions import Contradiction, Location
 from runtime.config.error_texts import ErrorTexts, ErrorTextsError
 from runtime.config.external import external_mistakes
 from runtime.diagnostics.catalogue import configuration as errors
+from runtime.diagnostics.catalogue import nct as nct_errors
 from runtime.diagnostics.catalogue import spindle as errors_of_spindles
 from runtime.diagnostics.errors import Place
 
@@ -149,6 +150,12 @@ def _measuring(machine: Machine) -> Iterator[Contradiction]:
             if axis.drive is None or edge not in axis.drive.process_data:
                 reason = f"its drive does not exchange {edge} (process_data)"
                 yield _against(index, ("measuring", "signal"), axis.name, what, reason)
+    known = _digital_inputs(machine)
+    for number, channel in enumerate(machine.channels):
+        for place, name in enumerate(channel.nct.skip):
+            if name not in known:
+                location: Location = ("channels", number, "nct", "skip", place)
+                yield Contradiction(nct_errors.SKIP_INPUT, location, {"name": name, "known": ", ".join(sorted(known))})
 
 
 def _workpiece(machine: Machine) -> Iterator[Contradiction]:

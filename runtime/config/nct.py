@@ -85,6 +85,9 @@ class NctParameters(Model):
     )
     circover: Annotated[float, Field(gt=0, le=100)] = 10.0  # %: least share of F inside an arc with cutter compensation
     poscheck: bool = False  # exact stop behind G00
+    skip: Annotated[Several[str], Field(max_length=4)] = ()  # inputs that are the skip signals 1 to 4 of G31
+    skipf: bool = False  # G31 is driven with g31fd, and not with F
+    g31fd: Velocity = 0.0  # feed of G31 with skipf
     feedmax: dict[str, Velocity] = Field(default_factory=dict)  # axis -> greatest feed, without override
     miscel: dict[RotaryAddress, Annotated[int, Field(ge=0)]] = Field(default_factory=dict)  # address -> H function
 

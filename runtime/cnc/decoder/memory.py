@@ -95,6 +95,7 @@ class ChannelMemory:
         self.control_areas: dict[int, ControlArea] = {}  # defined by #CONTROL AREA
         self.active_areas: list[int] = []  # in the order of their selection
         self.surface = SurfaceSettings(setup.nct.ctsurfsp * PER_METRE, setup.nct.axis)  # G96, G92 S of NCT programs
+        self.skip: list[float] | None = None  # machine positions of the last G31 of NCT programs, None before the first
         self.inch: bool | None = None  # G20, G21 of NCT programs, None until one has said it
         self.came_to_end = False  # the last program was not reset
         self.parameters: Parameters | None = None  # kept over program starts if the channel is configured so

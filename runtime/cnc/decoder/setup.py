@@ -35,6 +35,7 @@ from runtime.config.machine import AxisType, Machine, TurningAxis
 from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import language as catalogue
 from runtime.diagnostics.errors import Place, TandemError
+from runtime.hli.describe import io_bits
 from runtime.hli.external import ExternalEntry, directory_of
 from runtime.hli.layout import Mode
 from runtime.hli.units import MICROSECOND
@@ -282,6 +283,7 @@ class DecoderSetup:
     offsets_of_systems: bool = True  # P-CHAN-00397, of axes behind the main axes too
     fixed_points: tuple[tuple[float, ...], ...] = ()  # the second to the fourth reference point, mm or degrees, (n,)
     nct: NctParameters = field(default_factory=NctParameters)
+    skip_inputs: tuple[int, ...] = ()  # bits of the process image that are the skip signals of G31
 
     @classmethod
     def from_machine(cls, machine: Machine, channel: int = 0) -> DecoderSetup:
@@ -395,6 +397,7 @@ class DecoderSetup:
             ),
             period=machine.cycle.period,
             nct=described.nct,
+            skip_inputs=tuple(io_bits(machine)[0][name] for name in described.nct.skip),
             filters=tuple(axis.fir_filter for axis in axes),
             coordinate_systems=parameters.coordinate_system.definitions,
             rotation_sequence=parameters.coordinate_system.rotation_sequence,

@@ -104,6 +104,9 @@ SURFACE_SPINDLE = ErrorEntry(
     remedy="configure the main spindle of the channel, or let the PLC do it",
 )
 
+G31_FORMAT = ErrorEntry(321014, "3051: G31: {reason}", remedy="G31 v F P: v are axis words, P is 0 to 3")
+G31_STATE = ErrorEntry(321015, "3054 G31 IN INCORRECT STATE: {code} is active", remedy="end it before")
+
 # -- subprograms ---------------------------------------------------------------------------------------------------
 
 LEVEL_EXCESS = ErrorEntry(321020, "3069 LEVEL EXCESS: more than {limit} subprograms in each other")
@@ -122,4 +125,5 @@ NO_PROGRAM = ErrorEntry(
 
 # -- the machine description ---------------------------------------------------------------------------------------
 
+SKIP_INPUT = ErrorEntry(320051, "skip: no node has an input {name}", remedy="inputs are: {known}")
 START_CODES = ErrorEntry(320050, "codes: {first} and {second} exclude each other", remedy="name one of them")

@@ -17,6 +17,7 @@ from runtime.cnc.decoder.nct.corners import corner_of
 from runtime.cnc.decoder.nct.execution import NctExecution
 from runtime.cnc.decoder.nct.frames import Frame
 from runtime.cnc.decoder.nct.functions import functions_of, m_numbers, speed_of_end
+from runtime.cnc.decoder.nct.g_skip import wait_for_signal
 from runtime.cnc.decoder.nct.registry import G_CODES, M_CODES, TABLE, WORDS, GCall, Group, Stage, number_text, tenths_of
 from runtime.cnc.decoder.nct.words import BlockWords
 from runtime.cnc.language.errors import LineError
@@ -192,7 +193,9 @@ class WordBlocks:
         for number, _ in numbers:
             if number in STOPS:
                 x.emit(Stop(x.source, STOPS[number]))
-        if moved or dwelt:
+        if x.measuring.pending is not None:
+            wait_for_signal(x)
+        elif moved or dwelt:
             x.block_end()
         for number, column in numbers:
             if number in M_CODES:

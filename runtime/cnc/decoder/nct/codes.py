@@ -12,6 +12,7 @@ import runtime.cnc.decoder.nct.g_motion
 import runtime.cnc.decoder.nct.g_offsets
 import runtime.cnc.decoder.nct.g_reference
 import runtime.cnc.decoder.nct.g_select
+import runtime.cnc.decoder.nct.g_skip
 import runtime.cnc.decoder.nct.g_spindle
 import runtime.cnc.decoder.nct.g_stroke_check
 import runtime.cnc.decoder.nct.g_transformations

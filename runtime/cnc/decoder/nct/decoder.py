@@ -21,6 +21,7 @@ from runtime.cnc.decoder.nct.corners import with_corners
 from runtime.cnc.decoder.nct.execution import NctExecution, OutOfStepError
 from runtime.cnc.decoder.nct.flow import SearchInterrupted
 from runtime.cnc.decoder.nct.frames import Frame
+from runtime.cnc.decoder.nct.g_skip import end_of_skip
 from runtime.cnc.decoder.nct.levels import Levels
 from runtime.cnc.decoder.nct.program import NctProgram
 from runtime.cnc.decoder.nct.search import TargetFinder
@@ -153,6 +154,9 @@ class NctDecoder:
                         return
                     continue
                 x.assigned = 0
+                if x.measuring.pending is not None:
+                    yield from self._handed_over()
+                    end_of_skip(x)
                 if x.out:
                     yield from self._handed_over()
             self._keep()

@@ -38,9 +38,13 @@ def machine_position(x: NctExecution, axis: int) -> float:
 
 def work_position(x: NctExecution, axis: int) -> float:
     """Counted from the work zero; compensations are in it."""
+    return machine_position(x, axis) - work_zero(x, axis)
+
+
+def work_zero(x: NctExecution, axis: int) -> float:
+    """Where the zero of the work coordinates lies in the machine."""
     c = x.coordinates
-    work_zero = c.offsets.zero[axis] + c.common[axis] + c.shifted[axis] + c.local[axis]
-    return machine_position(x, axis) - work_zero
+    return c.offsets.zero[axis] + c.common[axis] + c.shifted[axis] + c.local[axis]
 
 
 def servo_lag(x: NctExecution, axis: int) -> float:
@@ -64,8 +68,11 @@ _register(5080, tool_length, "length compensation, axis 1 to 8", False)
 _register(5100, servo_lag, "servo lag, axis 1 to 8", True)
 
 
-@system_variable(5061, 5060 + AXES, _SPEC, meaning="where the skip signal came (G31), axis 1 to 8: not supported yet")
+@system_variable(5061, 5060 + AXES, _SPEC, "nct.meas.skip-g31", meaning="where the skip signal came (G31), axis 1 to 8")
 def skip_position(x: NctExecution, variable: int) -> Value:
-    raise CalculationError(
-        catalogue.VARIABLE_REFUSED, f"#{variable}", number=variable, reason="G31 is not supported yet"
-    )
+    """Counted from the work zero, compensations are in it. Vacant before the first G31; the end of one without a signal."""
+    axis = variable - 5061
+    if axis >= len(x.setup.axes):
+        raise CalculationError(catalogue.VARIABLE_UNKNOWN, f"#{variable}", number=variable)
+    places = x.memory.skip
+    return None if places is None else x.shown(axis, places[axis] - work_zero(x, axis))

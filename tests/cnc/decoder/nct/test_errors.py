@@ -10,7 +10,10 @@ from pydantic import ValidationError
 
 from runtime.cnc.decoder.nct.registry import G_CODES, GCall
 from runtime.cnc.language.errors import LineError
+from runtime.config import load_machine
+from runtime.config.consistency import inconsistencies
 from runtime.config.contradictions import ContradictionError
+from runtime.config.loader import DEMO_MACHINE
 from runtime.config.nct import NctParameters
 from runtime.diagnostics.catalogue import nct as C  # noqa: N812
 from runtime.diagnostics.errors import ErrorEntry
@@ -58,6 +61,10 @@ CASES: list[tuple[str, ErrorEntry, int, int]] = [
     ("G2 X10 Y0 I6 F100\n", C.RADIUS_DIFFERENCE, 1, 4),
     ("G2 R6 F100\n", C.CIRCLE_RADIUS, 1, 4),
     ("M7 M8\n", C.CONFLICTING_M, 1, 4),
+    ("G94 F100\nG31\n", C.G31_FORMAT, 2, 1),
+    ("G94 F100\nG31 X1 P4\n", C.G31_FORMAT, 2, 8),
+    ("G94 F100\nG31 X1\n", C.G31_FORMAT, 2, 5),  # the axis has no probe
+    ("F100\nG16 G31 X1\n", C.G31_STATE, 2, 5),
     ("M6 M11 M3 M8 M20 M0\n", C.TOO_MANY_M, 1, 18),
     ("M98 P1000\n", C.LEVEL_EXCESS, 1, 5),
     ("G0 X1\nM99 P7\n", C.NO_BLOCK, 2, 5),
@@ -82,6 +89,15 @@ def test_codes_of_the_start_that_exclude_each_other() -> None:
     cause = error["ctx"]["error"]
     assert isinstance(cause, ContradictionError)
     assert [found.entry for found in cause.contradictions] == [C.START_CODES]
+
+
+def test_a_skip_signal_that_is_no_input() -> None:
+    demo = load_machine(DEMO_MACHINE)
+    channel = demo.channels[0].model_copy(update={"nct": NctParameters(skip=("no such",))})
+    machine = demo.model_copy(update={"channels": (channel,)})
+    (wrong,) = inconsistencies(machine)
+    assert wrong.entry is C.SKIP_INPUT
+    assert wrong.location == ("channels", 0, "nct", "skip", 0)
 
 
 def test_nothing_moves_before_a_faulty_program_is_told() -> None:

@@ -101,7 +101,6 @@ REFUSED: list[tuple[str, ErrorEntry]] = [
     ("#5001=1", catalogue.VARIABLE_READ_ONLY),
     ("#1=#3000", catalogue.VARIABLE_WRITE_ONLY),
     ("#1=#3006", catalogue.VARIABLE_WRITE_ONLY),
-    ("#1=#5061", catalogue.VARIABLE_REFUSED),
     ("#1=#5004", catalogue.VARIABLE_UNKNOWN),
     ("#1=#3002", catalogue.VARIABLE_UNKNOWN),
 ]
