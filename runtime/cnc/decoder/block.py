@@ -78,7 +78,10 @@ class WordBlocks:
                 continue
             if number not in G_FUNCTIONS:
                 raise ProgramError(catalogue.G_UNSUPPORTED, self._x.unit.place(0), number=number)
-            G_FUNCTIONS[number].handler(self._x, GCall(number, 1))
+            try:
+                G_FUNCTIONS[number].handler(self._x, GCall(number, 1))
+            except LineError as error:
+                raise ProgramError(error.entry, self._x.unit.place(0), **error.values) from None
 
     def define_macro(self, name: str, content: str) -> None:
         """A macro definition of the block."""
@@ -222,7 +225,6 @@ class WordBlocks:
         end_own_motions(x, exact_stop=motion and bool(x.exact_stop or x.modal.exact_stop))
         for behind in functions.trailing():
             x.emit(behind)
-        x.stands |= functions.waits_behind
         wait_for_jobs(x)
         if block.beside is not None and not block.beside.statement.syntax.name.startswith("SUPPRESS"):
             STATEMENTS[block.beside.statement.syntax.name].handler(x, StatementCall(block.beside, values))

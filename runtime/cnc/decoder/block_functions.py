@@ -70,14 +70,9 @@ class Functions:
                     held.add(function)
         return [*held.leading(), *held.trailing()]
 
-    @property
-    def waits_behind(self) -> bool:
-        """The path may have to wait behind the motion, until functions are acknowledged."""
-        return bool(self.waits & _WAIT_BEHIND)
-
     def trailing(self) -> list[Block]:
         """What stands behind the motion."""
-        return [*self.after, Wait(self._source)] if self.waits_behind else self.after
+        return [*self.after, Wait(self._source)] if self.waits & _WAIT_BEHIND else self.after
 
 
 def put_out_tool(x: Execution, functions: Functions, basic: int, sister: int = 0, variant: int = 0) -> None:

@@ -190,7 +190,7 @@ class Execution:
         self.report_backups = Backups()
         self.found_file: Path | None = None  # of the last #FILE EXIST
         self.random: Random | None = None  # of V.G.RANDOM, made at its first access
-        self.stands = False  # the path stands behind the motion of the block in work, or may: exact stop, functions
+        self.stands = False  # the block in work has an exact stop
         self._run: list[list[float]] = []
         self._run_feeds: list[float] = []
         self._run_lines: list[int] = []
@@ -230,8 +230,8 @@ class Execution:
         self.out.append(block)
 
     def block_end(self) -> None:
-        """The end of a block with motion, if single block stops behind it. Where the path stands already, at an exact stop or
-        because a function is not acknowledged, a gate of its own stops it."""
+        """The end of a block with motion, if single block stops behind it. Where the path stands already at an exact stop, a gate
+        of its own stops it."""
         stands, self.stands = self.stands, False
         if self.call_shown is None and self.steps.ends(self.source.n):
             self.emit(BlockEnd(self.source))

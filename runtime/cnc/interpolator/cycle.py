@@ -22,6 +22,7 @@ from runtime.cnc.geometry.polynomials import polynomial_at
 from runtime.cnc.interpolator.lookahead import (
     ARC,
     BEHIND,
+    BLOCK_END,
     CONSTRAINTS,
     GATE,
     HORIZON,
@@ -51,6 +52,7 @@ SEARCH = 1024  # records searched for gates in one cycle
 JOIN = 1e-6  # mm: the first element must start where the axes stand
 PROGRAM_END = int(GateReason.PROGRAM_END)
 STEP = int(GateReason.STEP)
+WAIT = int(GateReason.WAIT)
 
 # state, float
 S_IN, V, A, PATH, LENGTH, OVERFLOWS, PLAN_TIME, PLANNED = 0, 1, 2, 3, 4, 5, 6, 7
@@ -69,8 +71,13 @@ KEPT = 2  # the plan that is driven, behind the proposals of both views
 
 @kernel
 def walk(records: Records, written: int, n: int, single_block: bool, f: Floats, i: Ints, q: Floats) -> None:
-    """Pass every record whose end has been reached; `q` becomes the exact end of each element that is passed."""
+    """Pass every record whose end has been reached; `q` becomes the exact end of each element that is passed.
+
+    In single block a path that has stood at a gate until functions were acknowledged stands where their block ends, too: behind
+    the gate nothing was looked at, so no end of a block was found there.
+    """
     size = records.shape[0]
+    waited = False
     while i[CUR] < written:
         r = records[i[CUR] % size]
         held = single_block and i[CUR] == i[SINGLE_GATE_AT] and i[CUR] > i[BLOCKS_RELEASED]
@@ -92,10 +99,15 @@ def walk(records: Records, written: int, n: int, single_block: bool, f: Floats, 
                 return
             f[S_IN] = f[S_IN] - r["length"] if f[V] > 0.0 else 0.0
         else:
+            if waited and r["kind"] == BLOCK_END and i[CUR] > i[BLOCKS_RELEASED]:
+                held = True
+                i[SINGLE_GATE_AT] = i[CUR]
             if held or (r["kind"] == GATE and i[CUR] > i[OPENED]):
                 i[SHOWN] = i[CUR]
                 f[S_IN] = 0.0
                 return
+            if r["kind"] == GATE:
+                waited = single_block and f[V] == 0.0 and r["reason"] == WAIT
             if r["kind"] == GATE and r["reason"] == PROGRAM_END:
                 i[ENDED] = 1
         i[CUR] += 1

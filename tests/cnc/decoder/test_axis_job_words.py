@@ -149,8 +149,6 @@ def test_quoted_texts_hold_no_jobs() -> None:
         ("B[MC_TouchProbe Channel=515]", J.JOB_INPUT),
         ("B[MC_TouchProbe Channel=1 Mode=3]", J.JOB_INPUT),
         ("B[MC_TouchProbe Mode=1]", C.KEY_MISSING),
-        ("P1=V.A.MERF.X", C.VARIABLE_UNSUPPORTED),
-        ("P1=V.A.MERF[0]", C.VARIABLE_UNSUPPORTED),
         ("#WAIT MC_STATUS SYN [ID=3]", J.JOB_ID),
         ("B[MC_Stop Id=3]\n#WAIT MC_STATUS [ID=3]", C.KEY_MISSING),
         ("#WAIT MC_STATUS SYN", C.KEY_MISSING),

@@ -30,6 +30,7 @@ STOPS = {0: StopKind.PROGRAMMED, 1: StopKind.OPTIONAL}
 NO_CYCLE, POLAR = 800, 160
 NOTED = "ABCDEHMST"  # addresses whose last value programs can read (#4101 to #4120)
 MOTIONS = (Line, Arc, SpatialArc, Polyline, Polynomials)
+_LEAVE_TO_THE_MOVER = (Group.MOTION, Group.CYCLE, Group.COMPENSATION)  # I, J, K of G41 are those of a circle beside it
 _FUNCTION_ADDRESSES = ("G", "M", "S", "T")
 
 
@@ -143,7 +144,7 @@ class WordBlocks:
             words.take(code.takes)
             if code.modal and code.stage is Stage.SELECT:
                 x.active[code.group] = code.tenths
-        claimed = {a for code in codes if code.group not in (Group.MOTION, Group.CYCLE) for a in code.takes}
+        claimed = {a for code in codes if code.group not in _LEAVE_TO_THE_MOVER for a in code.takes}
         for number, _ in numbers:
             if number in M_CODES:
                 words.take(M_CODES[number].takes)
@@ -189,7 +190,6 @@ class WordBlocks:
         if not within:
             for behind in functions.trailing():
                 x.emit(behind)
-            x.stands |= functions.waits_behind
         for number, _ in numbers:
             if number in STOPS:
                 x.emit(Stop(x.source, STOPS[number]))
