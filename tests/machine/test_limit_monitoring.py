@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from runtime.config.machine import Machine
-from runtime.diagnostics.catalogue import axes, motion
+from runtime.diagnostics.catalogue import axes, language, motion
 from runtime.hli.layout import ManualMode, State
 from tests.machine.driven import Driven
 from tests.machine.scripted_plc import ScriptedPlc
@@ -54,7 +54,11 @@ def test_a_target_beyond_a_limit_stops_the_program_until_reset(demo: Machine, tm
 @pytest.mark.spec("chan.sls.command-side")
 def test_an_axis_that_only_warns_goes_on(demo: Machine, tmp_path: Path) -> None:
     driven = make(demo, tmp_path, soft_limit_warning_axes=0x1)
-    assert run(driven, f"%T\nG90 G01 F9000 X{BEYOND}\nY5\nX0\nM30\n") == [axes.LIMIT_PASSED.id]
+    assert run(driven, f"%T\nG90 G01 F9000 X{BEYOND}\nY5\nX0\nM30\n") == [
+        axes.LIMIT_WARNING.id,  # of the two blocks that end there
+        axes.LIMIT_WARNING.id,
+        axes.LIMIT_PASSED.id,
+    ]
     assert place(driven) == [0, 5, 0]
     assert run(driven, "%T\nG90 G01 F9000 X0\nY705\nM30\n") == [motion.SOFTWARE_LIMIT.id]
 
@@ -112,7 +116,8 @@ def test_programmed_limits_beyond_those_of_the_axis(demo: Machine, tmp_path: Pat
     """They hold, or the configured ones do."""
     driven = make(demo, tmp_path, range_check_prog_soft_limits=clamped)
     told = run(driven, f"%T\nG99 X{BEYOND}\nG98 Y-60\nG90 G01 F9000 X{BEYOND - 1} Y-55\nM30\n")
-    assert told == ([motion.SOFTWARE_LIMIT.id] if clamped else [])
+    kept = [language.LIMIT_CLAMPED_POSITIVE.id, language.LIMIT_CLAMPED_NEGATIVE.id]
+    assert told == ([*kept, motion.SOFTWARE_LIMIT.id] if clamped else [])
     assert place(driven) == ([0, 0, 0] if clamped else [BEYOND - 1, -55, 0])
 
 
