@@ -5,7 +5,7 @@ Behind the decoder nobody knows in which one a program is written.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, overload
@@ -16,7 +16,7 @@ from runtime.cnc.decoder.decoder import Decoder
 from runtime.cnc.decoder.nct import program as nct
 from runtime.cnc.decoder.nct.decoder import NctDecoder
 from runtime.cnc.decoder.nct.program import NctProgram
-from runtime.cnc.decoder.program import Program
+from runtime.cnc.decoder.program import Program, Progress
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import ProgramError
 from runtime.diagnostics.catalogue import language as catalogue
@@ -27,7 +27,6 @@ DIALECTS = ("isg", "nct")
 
 AnyProgram = Program | NctProgram
 AnyDecoder = Decoder | NctDecoder
-Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
 
 @overload

@@ -141,7 +141,7 @@ class _Look:
                 yield self._problem(error, text)
                 return
             told = self._passed(text.text)
-            yield _warning(self._problem(error, text)) if told is None else self._problem(told, text)
+            yield as_warning(self._problem(error, text)) if told is None else self._problem(told, text)
             return
         if entry in unit.faults:
             yield self._fault(entry)
@@ -202,9 +202,10 @@ class _Look:
             found = self._library.find(name, place)
             problem = found if isinstance(found, Problem) else None
         if problem is not None:
-            yield problem if self._certain(entry, text) else _warning(problem)
+            yield problem if self._certain(entry, text) else as_warning(problem)
 
 
-def _warning(problem: Problem) -> Problem:
+def as_warning(problem: Problem) -> Problem:
+    """The same, of what may be passed over."""
     entry = replace(problem.entry, severity=Severity.WARNING, reaction=Reaction.NONE)
     return replace(problem, entry=entry)

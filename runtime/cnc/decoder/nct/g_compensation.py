@@ -115,7 +115,6 @@ def hold(x: NctExecution, call: GCall) -> None:
     meaning="arc around a corner",
     stage=Stage.SET,
     takes="IJK",
-    alone=True,
 )
 def corner_arc(x: NctExecution, call: GCall) -> None:
     if not x.modal.compensation_side:

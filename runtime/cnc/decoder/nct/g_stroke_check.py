@@ -72,7 +72,7 @@ def begin_watch(x: NctExecution) -> None:
 
 @g_code(
     "22", Group.STROKE_CHECK, "nct.mon.stroke-check-g22-g23", "nct.trc.suspension", meaning="stroke check: a box is forbidden",
-    stage=Stage.SET, takes="IJKP", axes=True, alone=True,
+    stage=Stage.SET, takes="IJKP", axes=True,
 )  # fmt: skip
 def forbid(x: NctExecution, call: GCall) -> None:
     """X, Y, Z are the upper limits, I, J, K the lower ones; P0 forbids the inside, P1 the outside."""
@@ -113,7 +113,7 @@ def forbid(x: NctExecution, call: GCall) -> None:
 
 @g_code(
     "23", Group.STROKE_CHECK, "nct.mon.stroke-check-g22-g23", "nct.trc.suspension", meaning="no stroke check",
-    stage=Stage.SET, alone=True,
+    stage=Stage.SET,
 )  # fmt: skip
 def permit(x: NctExecution, call: GCall) -> None:
     expect_alone(x, "GN")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from runtime.cnc.decoder.nct import codes  # noqa: F401 - registers the dialect
@@ -12,19 +12,16 @@ from runtime.cnc.decoder.nct.functions import m_numbers
 from runtime.cnc.decoder.nct.library import Library
 from runtime.cnc.decoder.nct.registry import G_CODES, tenths_of
 from runtime.cnc.decoder.nct.words import BlockWords
+from runtime.cnc.decoder.program import CHECKED_BEFORE_START, MAX_PROBLEMS, Progress, as_warning
 from runtime.cnc.decoder.setup import DecoderSetup
 from runtime.cnc.language.errors import LineError, ProgramErrors
 from runtime.cnc.language.nct.addresses import checked
 from runtime.cnc.language.nct.parser import block_parser
 from runtime.cnc.language.nct.program_file import BlockText, Unit
 from runtime.cnc.language.nct.words import Control, ParsedBlock, Word
-from runtime.diagnostics.errors import Problem, Reaction, Severity
+from runtime.diagnostics.errors import Problem, Severity
 
 BLOCKS_AS_ARGUMENTS = 661  # G66.1
-MAX_PROBLEMS = 20  # told per program
-CHECKED_BEFORE_START = 1 << 18  # bytes; longer programs start before they are read to their end
-
-Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +95,7 @@ def _look(unit: Unit, setup: DecoderSetup, progress: Progress | None) -> Iterato
                 _look_at_codes(known, own)
         except LineError as error:
             problem = _problem(unit, text, error)
-            yield _warning(problem) if passed or text.text.lstrip().startswith("/") else problem
+            yield as_warning(problem) if passed or text.text.lstrip().startswith("/") else problem
             continue
         passed = passed or _jumps(parsed)
         if progress and count % 256 == 0:
@@ -131,8 +128,3 @@ def _jumps(parsed: ParsedBlock) -> bool:
 def _problem(unit: Unit, text: BlockText, error: LineError) -> Problem:
     line, column, shown = text.place(error.column)
     return Problem(error.entry, error.values, unit.place(line, column, shown))
-
-
-def _warning(problem: Problem) -> Problem:
-    entry = replace(problem.entry, severity=Severity.WARNING, reaction=Reaction.NONE)
-    return replace(problem, entry=entry)

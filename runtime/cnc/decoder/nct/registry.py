@@ -109,7 +109,6 @@ class GCode:
     axes: bool  # its axis words are arguments, or targets of a motion of its own
     moves: Mover | None
     all_words: bool  # it takes every word of the block: macro calls
-    alone: bool  # nothing but what it takes may stand beside it
     functions_within: bool  # its `moves` puts out the functions of the block (`x.block_functions`)
 
     @property
@@ -157,7 +156,6 @@ def g_code(
     axes: bool = False,
     moves: Mover | None = None,
     all_words: bool = False,
-    alone: bool = False,
     functions_within: bool = False,
 ) -> Callable[[Handler], Handler]:
     """Register the decorated handler for a G code ("1", "84.2"); `spec` are the catalogue entries it belongs to."""
@@ -177,7 +175,6 @@ def g_code(
             axes,
             moves,
             all_words,
-            alone,
             functions_within,
         )
         return handler

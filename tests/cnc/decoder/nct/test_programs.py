@@ -94,7 +94,7 @@ def order(run: Run) -> list[str]:
     return names
 
 
-@pytest.mark.spec("nct.mh.execution-sequence", "nct.mh.m-functions", "nct.tool.t-code")
+@pytest.mark.spec("nct.mh.execution-sequence", "nct.tool.t-code")
 def test_functions_come_in_the_order_of_the_control() -> None:
     run = decode("G0 X1 M20 M8 S500 M3 T7 M11 M6\nM30\n")
     assert order(run) == ["M6", "T7", "M11", "S3", "M8", "M20", "line", "M30", "M30"]
@@ -106,7 +106,6 @@ def test_functions_stand_where_their_synchronisation_says() -> None:
     assert order(decode("G0 X1 M21\nM30\n", setup)) == ["line", "M21", "M30", "M30"]
 
 
-@pytest.mark.spec("nct.spindle.s-code")
 def test_speeds() -> None:
     rows = decode("S1000 M3\nS2000\nM5\nM4\nM30\n").of_type("s")
     assert [(row["number"], row["value"]) for row in rows] == [(3, 1000), (0, 2000), (5, 2000), (4, 2000)]
@@ -129,7 +128,6 @@ def test_functions_that_the_channel_does_not_have() -> None:
     assert (problem.entry, problem.place.line) == (language.M_UNDEFINED, 3)
 
 
-@pytest.mark.spec("nct.mh.program-control-m00-m30")
 def test_stops_and_ends() -> None:
     assert order(decode("G0 X1 M0\nX2 M1\nM2\nX3\n")) == ["M0", "line", "M00", "M1", "line", "M01", "M2", "M30"]
     assert order(decode("G0 X1\n")) == ["line", "M30"]
@@ -243,7 +241,7 @@ def test_what_holds_at_program_start() -> None:
     assert [x.active[group] for group in groups] == [10, 180, 200, 910, 950]
 
 
-@pytest.mark.spec("nct.config.initial-state", "nct.mh.program-control-m00-m30")
+@pytest.mark.spec("nct.config.initial-state")
 def test_what_a_program_leaves_behind() -> None:
     """Shifts, compensation, cycles and modal codes end with M30; offsets, #500 and the unit of the input stay, #100 too."""
     memory = ChannelMemory(SETUP)

@@ -41,7 +41,6 @@ def driven(
     return (ends, None, 0) if told is None else (ends, told.entry, told.place.line)
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 @pytest.mark.parametrize(
     ("move", "good"),
     [
@@ -63,19 +62,16 @@ def test_the_inside_is_forbidden(move: str, good: bool) -> None:
         assert (error, line) == (nct_offsets.STROKE_ENTERED, 2)
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 def test_the_outside_is_forbidden() -> None:
     ends, error, line = driven(OUTSIDE + "G0 X60 Y-40\nX61\nX0")
     assert ends == [(60, -40, 0)]
     assert (error, line) == (nct_offsets.STROKE_LEFT, 3)
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 def test_g23_permits_it() -> None:
     assert driven(INSIDE + "G23\nG0 X50 Y50")[1] is None
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 def test_numbers_count_in_the_work_system_and_for_the_tip() -> None:
     shifted = replace(SETUP, zero_offsets={54: np.array([10.0, 0.0, 0.0])})
     assert driven(INSIDE + "G0 X39 Y50", setup=shifted)[1] is None
@@ -86,13 +82,11 @@ def test_numbers_count_in_the_work_system_and_for_the_tip() -> None:
     assert driven(text + "Z49", ChannelMemory(SETUP, offsets=offsets))[1] is nct_offsets.STROKE_ENTERED
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 def test_equal_limits_permit_or_forbid_everything() -> None:
     assert driven("G22 X0 Y0 Z0 I0 J0 K0 P0\nG0 X10\nX0")[1] is None
     assert driven("G0 X5\nG22 X0 Y0 Z0 I0 J0 K0 P1\nG0 X10")[1] is nct_offsets.STROKE_OUTSIDE
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 def test_in_a_forbidden_place_nothing_goes_on() -> None:
     assert driven("G0 X50 Y50\n" + INSIDE + "X0")[1:] == (nct_offsets.STROKE_INSIDE, 2)
     run = decode("G0 X-50\n" + OUTSIDE + "X0")
@@ -100,7 +94,6 @@ def test_in_a_forbidden_place_nothing_goes_on() -> None:
     assert "FORBIDDEN AREA X-" in run.problem.text
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 def test_it_outlives_programs_and_the_runtime(tmp_path: Path) -> None:
     file = tmp_path / "offsets.db"
     assert driven(INSIDE + "M30", ChannelMemory(SETUP, offsets=SqliteOffsets(file)))[1] is None
@@ -110,7 +103,6 @@ def test_it_outlives_programs_and_the_runtime(tmp_path: Path) -> None:
     assert driven("G0 X50 Y50", ChannelMemory(SETUP, offsets=SqliteOffsets(file)))[1] is None
 
 
-@pytest.mark.spec("nct.mon.stroke-check-g22-g23")
 @pytest.mark.parametrize(
     ("text", "entry", "column"),
     [
